@@ -88,14 +88,14 @@ def begin(msg: Any) -> Batch | None:
     return Batch(sensor, msg.N, float(msg.mul), msg.smp_cnt, float(msg.smp_rate), int(msg.SampleUS))
 
 
-def density(values: Any, rate: float, window: str | None) -> Any:
+def density(values: Any, rate: float, window: str) -> Any:
     """The power spectral density of evenly spaced values, without its first and its last number.
 
-    `window` is "hanning", "blackman" or None; `rate` is in Hz.
+    `window` is "hanning" or "blackman", any other text for none; `rate` is in Hz.
     """
     import numpy as np
 
-    shape = {"hanning": np.hanning, "blackman": np.blackman}.get(window or "", np.ones)(len(values))
+    shape = {"hanning": np.hanning, "blackman": np.blackman}.get(window, np.ones)(len(values))
     power = 2.0 * np.abs(np.fft.rfft(values * shape)) ** 2 / (rate * (shape**2).sum())
     power[0] = power[-1] = 0.0
     return power
@@ -104,11 +104,11 @@ def density(values: Any, rate: float, window: str | None) -> Any:
 class Spectrum:
     """The power spectral density of one sensor, averaged over its batches.
 
-    `window` is "hanning", "blackman" or None. `overlap` takes the batches as one row of samples and
+    `window` is that of `density`. `overlap` takes the batches as one row of samples and
     moves by half a batch.
     """
 
-    def __init__(self, window: str | None, overlap: bool) -> None:
+    def __init__(self, window: str, overlap: bool) -> None:
         self._window = window
         self._overlap = overlap
         self._rows: list[list[Any]] = [[], [], []]

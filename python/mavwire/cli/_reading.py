@@ -10,13 +10,15 @@ from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from itertools import chain, islice
-from typing import Any
+from typing import Any, TypeVar
 
 from mavwire import _log_link
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._progress import Progress
+
+T = TypeVar("T")
 
 PROGRESS_EVERY = 20_000
 # What standard input is called, and the name of its file. Logs of each kind are recognised under it.
@@ -315,3 +317,35 @@ def reading(
     if not options.get("notimestamps"):
         is_indexed = log.by_index and bool(getattr(link, "counts", None))
         warn_if_foreign(command, path, name, is_indexed=is_indexed)
+
+
+def results(
+    command: str,
+    args: Namespace,
+    work: Callable[[Reading], T],
+    title: str = "Processing log {}",
+    dialect: str | None = None,
+    wire_protocol: str | None = None,
+    **options: Any,
+) -> Iterator[T]:
+    """The result of `work` for each log of a command line, once the log is closed. Its title is printed
+    in front.
+
+    The dialect is that of the command line, if it has one. `options` are those of `reading`.
+    """
+    for path in args.logs:
+        if title:
+            print(title.format(path))
+        with (
+            definitions(dialect or getattr(args, "dialect", None), wire_protocol),
+            reading(command, path, **link_options(args), **options) as log,
+        ):
+            result = work(log)
+        yield result
+
+
+def read_each(
+    command: str, args: Namespace, work: Callable[[Reading], T], **options: Any
+) -> list[T]:
+    """The `results` of all logs."""
+    return list(results(command, args, work, **options))

@@ -15,7 +15,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record
 
@@ -37,14 +37,12 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    for path in args.logs:
-        print(f"Processing {path}")
-        with (
-            definitions(),
-            reading("extract", path, **link_options(args)) as log,
-            ExitStack() as stack,
-        ):
+
+    def extract(log: Reading) -> None:
+        with ExitStack() as stack:
             _extraction(log, args)(log, args, stack).run()
+
+    read_each("extract", args, extract, title="Processing {}")
     return 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
@@ -19,11 +19,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("flightmodes", path) as log:
-                _print_modes(log)
+    read_each("flightmodes", args, _print_modes)
     return 0
 
 

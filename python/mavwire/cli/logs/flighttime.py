@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any, NamedTuple
 
 from mavwire._native import Track
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._times import minutes
 
@@ -26,16 +26,15 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    seconds, metres = 0, 0.0
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("flighttime", path) as log:
-                flight = Flight(args.groundspeed)
-                flight.read(log, args.condition)
-            seconds += flight.seconds
-            metres += flight.track.metres
-    print(f"Total time in air: {minutes(seconds)}")
+
+    def read(log: Reading) -> Flight:
+        flight = Flight(args.groundspeed)
+        flight.read(log, args.condition)
+        return flight
+
+    flights = read_each("flighttime", args, read)
+    print(f"Total time in air: {minutes(sum(one.seconds for one in flights))}")
+    metres = sum(one.track.metres for one in flights)
     print(f"Total distance travelled: {metres:.1f} meters")
     return 0
 

@@ -14,7 +14,7 @@ from typing import Any
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._output import writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import require_telemetry
 
@@ -32,18 +32,20 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     if args.save:
         os.makedirs(args.save, exist_ok=True)
-    for path in args.logs:
-        with definitions(), reading("ftpdecode", path) as log:
-            require_telemetry(log)
-            strays = Counter[int]()
-            for transfer in transfers(log.messages(["FILE_TRANSFER_PROTOCOL"]), strays):
-                _tell(transfer, args.save)
-        for system, count in sorted(strays.items()):
-            tell(
-                f"mavwire ftpdecode: {path}: {count} parts of files that system {system} sent are left"
-                " out: the log does not have which files were asked for"
-            )
+    read_each("ftpdecode", args, lambda log: _decode(log, args.save), title="")
     return 0
+
+
+def _decode(log: Reading, folder: str | None) -> None:
+    require_telemetry(log)
+    strays = Counter[int]()
+    for transfer in transfers(log.messages(["FILE_TRANSFER_PROTOCOL"]), strays):
+        _tell(transfer, folder)
+    for system, count in sorted(strays.items()):
+        tell(
+            f"mavwire ftpdecode: {log.path}: {count} parts of files that system {system} sent are left"
+            " out: the log does not have which files were asked for"
+        )
 
 
 class Transfer:

@@ -11,7 +11,7 @@ from math import radians
 from typing import Any
 
 from mavwire._sphere import great_circle
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 # Type -> number of the receiver.
@@ -33,17 +33,16 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     found: dict[tuple[int, int, int], list[Position]] = defaultdict(list)
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("gps_CEP", path) as log:
-                for msg in log.messages(RECEIVERS):
-                    kind = msg.get_type()
-                    fix = msg.Status if kind == "GPS" else msg.fix_type
-                    if fix >= FIX_3D:
-                        sysid = _sysid(log, msg)
-                        key = fix if fix in KINDS else FIX_3D, sysid, RECEIVERS[kind]
-                        found[key].append(_position(msg))
+
+    def read(log: Reading) -> None:
+        for msg in log.messages(RECEIVERS):
+            kind = msg.get_type()
+            fix = msg.Status if kind == "GPS" else msg.fix_type
+            if fix >= FIX_3D:
+                key = fix if fix in KINDS else FIX_3D, _sysid(log, msg), RECEIVERS[kind]
+                found[key].append(_position(msg))
+
+    read_each("gps_CEP", args, read)
     order = list(KINDS)
     for fix, sysid, receiver in sorted(found, key=lambda key: (order.index(key[0]), *key[1:])):
         points = found[fix, sysid, receiver]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._times import minutes
 
@@ -21,12 +21,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    seconds = 0
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("gpslock", path) as log:
-                seconds += _locked(log, args.condition)
+    seconds = sum(read_each("gpslock", args, lambda log: _locked(log, args.condition)))
     print(f"Total time locked: {minutes(seconds)}")
     return 0
 
@@ -39,7 +34,7 @@ def _locked(log: Reading, condition: str | None) -> int:
     for msg in log.messages(TYPES, condition):
         fix = msg.Status if msg.get_type() == "GPS" else msg.fix_type
         now = int(msg._timestamp)
-        if since is None:  # where it begins, whatever the fix is
+        if since is None:  # it begins here with any fix
             since = now
             continue
         if locked == (fix >= FIX_2D):

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 from mavwire.cli._batches import TYPES, Batch, batches
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 NAMES = ("Accel", "Gyro")
@@ -22,21 +22,21 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand. The files (Accel0.csv ...) are in the working folder."""
     files: dict[tuple[int, int], OutputFile] = {}
-    count = 0
-    with definitions(), ExitStack() as stack:
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("isb_extract", path) as log:
-                for batch in batches(log.messages(TYPES, args.condition), _tell_hole):
-                    kind, number = batch.sensor
-                    if batch.sensor not in files:
-                        name = f"{NAMES[kind]}{number}.csv"
-                        files[batch.sensor] = stack.enter_context(
-                            writing(name, args.logs, option="")
-                        )
-                        files[batch.sensor].write(b"SampleUS,X,Y,Z\n")
-                    files[batch.sensor].write(_lines(batch))
-                    count += 1
+    with ExitStack() as stack:
+
+        def extract(log: Reading) -> int:
+            count = 0
+            for batch in batches(log.messages(TYPES, args.condition), _tell_hole):
+                kind, number = batch.sensor
+                if batch.sensor not in files:
+                    file = writing(f"{NAMES[kind]}{number}.csv", args.logs, option="")
+                    files[batch.sensor] = stack.enter_context(file)
+                    files[batch.sensor].write(b"SampleUS,X,Y,Z\n")
+                files[batch.sensor].write(_lines(batch))
+                count += 1
+            return count
+
+        count = sum(read_each("isb_extract", args, extract))
     print(f"Extracted {count} fft data sets", file=sys.stderr)
     return 0
 

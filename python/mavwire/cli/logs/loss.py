@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from mavwire._native import SequenceGaps
-from mavwire.cli._reading import definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import is_damaged, require_telemetry
 
@@ -28,16 +28,17 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    for path in args.logs:
-        print(f"Processing log {path}")
-        with definitions(args.dialect), reading("loss", path, **link_options(args)) as log:
-            require_telemetry(log)
-            losses = Losses(args.sysid, args.compid, args.stats)
-            for chunk in log.chunks(args.condition):
-                losses.read(chunk)
+
+    def tell(log: Reading) -> None:
+        require_telemetry(log)
+        losses = Losses(args.sysid, args.compid, args.stats)
+        for chunk in log.chunks(args.condition):
+            losses.read(chunk)
         print("\n".join(losses.table()))
         if args.stats:
             print("\n".join(losses.types_table()))
+
+    read_each("loss", args, tell)
     return 0
 
 
@@ -69,7 +70,7 @@ class Losses:
                 self._add_reason(msg.reason)
 
     def _add_reason(self, reason: str) -> None:
-        """Of checksums that are wrong the first one stands for all."""
+        """Keep a reason once. Of wrong checksums only the first is kept."""
         if reason.startswith(BAD_CHECKSUM) and any(
             one.startswith(BAD_CHECKSUM) for one in self.reasons
         ):

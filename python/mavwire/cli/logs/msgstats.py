@@ -10,7 +10,7 @@ from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 # Group -> patterns of its types. What belongs to none is counted as OTHER.
@@ -34,12 +34,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    with definitions("all", "2.0"):
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("msgstats", path) as log:
-                sizes = _sizes(log)
-            print("\n".join(_table(sizes)))
+
+    def tell(log: Reading) -> None:
+        print("\n".join(_table(_sizes(log))))
+
+    read_each("msgstats", args, tell, dialect="all", wire_protocol="2.0")
     return 0
 
 

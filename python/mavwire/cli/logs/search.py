@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._message_types import wanted
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 
@@ -22,11 +22,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    with definitions():
-        for path in args.logs:
-            print(f"Loading {path} ...")
-            with reading("search", path) as log:
-                _search(log, args)
+    read_each("search", args, lambda log: _search(log, args), title="Loading {} ...")
     return 0
 
 

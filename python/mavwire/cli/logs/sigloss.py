@@ -6,7 +6,7 @@ import time
 from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._message_types import wanted
-from mavwire.cli._reading import definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 
@@ -21,16 +21,16 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            last = None
-            with reading("sigloss", path, **link_options(args)) as log:
-                for msg in log.messages(wanted(args.types, log), args.condition):
-                    stamp = msg._timestamp
-                    if not stamp:  # how a dataflash log describes itself, before it has a time
-                        continue
-                    if last is not None and stamp - last > args.deltat:
-                        print(f"Sig lost for {stamp - last:.1f}s at {time.ctime(stamp)}")
-                    last = stamp
+    read_each("sigloss", args, lambda log: _tell_losses(log, args))
     return 0
+
+
+def _tell_losses(log: Reading, args: Namespace) -> None:
+    last = None
+    for msg in log.messages(wanted(args.types, log), args.condition):
+        stamp = msg._timestamp
+        if not stamp:  # how a dataflash log describes itself, before it has a time
+            continue
+        if last is not None and stamp - last > args.deltat:
+            print(f"Sig lost for {stamp - last:.1f}s at {time.ctime(stamp)}")
+        last = stamp

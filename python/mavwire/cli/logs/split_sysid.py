@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 
@@ -20,28 +20,22 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    for path in args.logs:
-        print(f"Processing {path}")
-        with (
-            definitions(),
-            reading("split_sysid", path, **link_options(args)) as log,
-            ExitStack() as stack,
-        ):
-            require_telemetry(log)
-            _split(log, wanted(args.types or None, log), args, stack)
+    read_each("split_sysid", args, lambda log: _split(log, args), title="Processing {}")
     return 0
 
 
-def _split(log: Reading, types: list[str] | None, args: Namespace, stack: ExitStack) -> None:
+def _split(log: Reading, args: Namespace) -> None:
     """Write each message to the log of who sent it."""
+    require_telemetry(log)
     stem = os.path.splitext(log.path)[0]
     files: dict[int, OutputFile] = {}
-    for msg in log.messages(types, args.condition):
-        if is_damaged(msg):
-            continue
-        sysid = msg.get_srcSystem()
-        if sysid not in files:
-            path = f"{stem}-{sysid}.tlog"
-            print(f"Creating {path}")
-            files[sysid] = stack.enter_context(writing(path, args.logs, option=""))
-        files[sysid].write(record(msg))
+    with ExitStack() as stack:
+        for msg in log.messages(wanted(args.types or None, log), args.condition):
+            if is_damaged(msg):
+                continue
+            sysid = msg.get_srcSystem()
+            if sysid not in files:
+                path = f"{stem}-{sysid}.tlog"
+                print(f"Creating {path}")
+                files[sysid] = stack.enter_context(writing(path, args.logs, option=""))
+            files[sysid].write(record(msg))

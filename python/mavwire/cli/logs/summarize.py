@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any, NamedTuple
 
 from mavwire._native import Track
-from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._times import local_time
 
@@ -26,28 +26,21 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    flights, metres, seconds = 0, 0.0, 0.0
-    for path in args.logs:
-        print(f"Processing log {path}")
-        with definitions(args.dialect):
-            summary = _read(path, args)
+
+    def tell(log: Reading) -> Summary | None:
+        summary = summarise(log, args.condition)
         if summary is None:
             print("ERROR: No messages found.")
-            continue
-        summary.tell()
-        flights += 1
-        metres += summary.track.metres
-        seconds += summary.seconds
+        else:
+            summary.tell()
+        return summary
+
+    flights = [one for one in read_each("summarize", args, tell) if one is not None]
     print("===============================")
-    print(f"Num Flights : {flights}")
-    print(f"Total distance : {metres:0.2f}m")
-    print(f"Total time (mm:ss): {_clock(seconds)}")
+    print(f"Num Flights : {len(flights)}")
+    print(f"Total distance : {sum(one.track.metres for one in flights):0.2f}m")
+    print(f"Total time (mm:ss): {_clock(sum(one.seconds for one in flights))}")
     return 0
-
-
-def _read(path: str, args: Namespace) -> Summary | None:
-    with reading("summarize", path, **link_options(args)) as log:
-        return summarise(log, args.condition)
 
 
 class Summary(NamedTuple):

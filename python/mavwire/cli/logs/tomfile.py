@@ -7,10 +7,11 @@ from argparse import ArgumentParser, Namespace
 from collections import Counter
 from typing import Any
 
+from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.links.recording import shown
 
@@ -28,20 +29,16 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    from mavwire.cli._errors import CommandError
-
     if args.output and len(args.logs) > 1:
         raise CommandError("--output takes one log; without it each has a file of its own")
-    for path in args.logs:
-        print(f"Processing {path}")
-        output = args.output or f"{os.path.splitext(path)[0]}.m"
-        with (
-            definitions(args.dialect),
-            reading("tomfile", path, zero_time_base=True) as log,
-            writing(output, args.logs) as file,
-        ):
+
+    def write(log: Reading) -> None:
+        output = args.output or f"{os.path.splitext(log.path)[0]}.m"
+        with writing(output, args.logs) as file:
             print(f"Creating {output}")
             _write(log, args, file)
+
+    read_each("tomfile", args, write, title="Processing {}", zero_time_base=True)
     return 0
 
 

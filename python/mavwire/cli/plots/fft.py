@@ -7,7 +7,7 @@ from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 SENSORS = ("ACC1", "ACC2", "ACC3", "GYR1", "GYR2", "GYR3")
@@ -30,19 +30,14 @@ def main(args: Namespace) -> int:
     if args.sample_length < 0:
         raise CommandError("--sample-length is a number of samples, or 0 for all")
     figures = open_figures(args.image)
-    samples: dict[str, Samples] = {name: Samples() for name in SENSORS}
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            count = 0
-            with reading("fft", path) as log:
-                for msg in log.messages(TYPES, args.condition):
-                    name = sensor_of(msg)
-                    if name in samples:
-                        samples[name].add(msg)
-                        count += name.startswith("ACC")
-            print(f"Extracted {count} data points")
-    drawn = {name: one.spectra(args.sample_length) for name, one in samples.items()}
+    samples: dict[str, Samples] = {}
+
+    def read(log: Reading) -> None:
+        count = read_samples(log, samples, args.condition)
+        print(f"Extracted {count} data points")
+
+    read_each("fft", args, read)
+    drawn = {name: samples[name].spectra(args.sample_length) for name in sorted(samples)}
     if not any(drawn.values()):
         raise CommandError(f"there is nothing to draw: no {', '.join(SENSORS)} in the logs")
     for name, spectra in drawn.items():
@@ -53,6 +48,17 @@ def main(args: Namespace) -> int:
             axes.legend(loc="upper right")
     figures.finish()
     return 0
+
+
+def read_samples(log: Reading, samples: dict[str, Samples], condition: str | None) -> int:
+    """Add the samples of a log to those of each sensor. Returns the number of accelerometer samples."""
+    count = 0
+    for msg in log.messages(TYPES, condition):
+        name = sensor_of(msg)
+        if name in SENSORS:
+            samples.setdefault(name, Samples()).add(msg)
+            count += name.startswith("ACC")
+    return count
 
 
 def sensor_of(msg: Any) -> str:

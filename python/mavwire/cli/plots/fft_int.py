@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import read_each
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli.plots.fft import SENSORS, TYPES, Samples, sensor_of
+from mavwire.cli.plots.fft import SENSORS, Samples, read_samples
 
 if TYPE_CHECKING:
     from mavwire.plots.windows import Figures
@@ -30,14 +30,7 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     figures = open_figures(args.image)
     samples: dict[str, Samples] = {}
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("fft_int", path) as log:
-                for msg in log.messages(TYPES, args.condition):
-                    name = sensor_of(msg)
-                    if name in SENSORS:
-                        samples.setdefault(name, Samples()).add(msg)
+    read_each("fft_int", args, lambda log: read_samples(log, samples, args.condition))
     if not samples:
         raise CommandError(f"there is nothing to draw: no {', '.join(SENSORS)} in the logs")
     # matplotlib itself does not keep what selects alive.

@@ -9,10 +9,10 @@ from typing import Any
 from mavwire.cli._batches import AXES, GYRO, TYPES, Spectrum, batches
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
-# What stands at the axis, by sensor and --output.
+# Units of the axis, by sensor and --output.
 UNITS = {
     (False, "psd"): "m^2/s^4/Hz", (False, "lsd"): r"m/s^2/\sqrt{Hz}",
     (True, "psd"): "d^2/s^2/Hz", (True, "lsd"): r"d/s/\sqrt{Hz}",
@@ -41,16 +41,14 @@ def main(args: Namespace) -> int:
         raise CommandError(f"--axis {args.axis}: some of {AXES}")
     figures = open_figures(args.image)
     spectra: dict[tuple[int, int], Spectrum] = {}
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("fft_isb", path) as log:
-                for batch in batches(log.messages(TYPES, args.condition)):
-                    spectrum = spectra.get(batch.sensor)
-                    if spectrum is None:
-                        window = None if args.window == "None" else args.window
-                        spectrum = spectra[batch.sensor] = Spectrum(window, args.overlap)
-                    spectrum.add(batch)
+
+    def read(log: Reading) -> None:
+        for batch in batches(log.messages(TYPES, args.condition)):
+            if batch.sensor not in spectra:
+                spectra[batch.sensor] = Spectrum(args.window, args.overlap)
+            spectra[batch.sensor].add(batch)
+
+    read_each("fft_isb", args, read)
     count = sum(one.count for one in spectra.values())
     print(f"Extracted {count} fft data sets", file=sys.stderr)
     if not count:

@@ -8,7 +8,7 @@ from typing import Any
 from mavwire.cli._batches import density
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 CONTROLLERS = ("PIDR", "PIDP", "PIDY")
@@ -35,12 +35,12 @@ def main(args: Namespace) -> int:
         raise CommandError(f"--sample-rate is {RATES.start} to {RATES.stop - 1} Hz, not {rate}")
     figures = open_figures(args.image)
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in CONTROLLERS}
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            with reading("fft_pid", path) as log:
-                for msg in log.messages(CONTROLLERS, args.condition):
-                    rows[msg.get_type()].append(tuple(getattr(msg, term) for term in TERMS))
+
+    def read(log: Reading) -> None:
+        for msg in log.messages(CONTROLLERS, args.condition):
+            rows[msg.get_type()].append(tuple(getattr(msg, term) for term in TERMS))
+
+    read_each("fft_pid", args, read)
     print(f"Extracted {max(map(len, rows.values()))} data points, sample rate {rate}Hz")
     drawn = {name: some for name, some in rows.items() if len(some) >= rate}
     if not drawn:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from html import escape
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log, writing
-from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 # What mavkml.py takes for the state in the beginning, and what it calls that until one is told.
@@ -53,16 +53,12 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    lines: list[Line] = []
     refuse_log(args.output, args.logs)
-    with definitions():
-        for path in args.logs:
-            print(f"Processing {path}")
-            with reading("kml", path, **link_options(args)) as log:
-                lines += _lines(log, args)
-        if not lines:
-            hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
-            tell(f"mavwire kml: {hint}")
+    of_each = read_each("kml", args, lambda log: _lines(log, args), title="Processing {}")
+    lines = list(chain.from_iterable(of_each))
+    if not lines:
+        hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
+        tell(f"mavwire kml: {hint}")
     with writing(args.output) as file:
         file.write(document(lines, args.extrude).encode())
     print(f"KML written to {args.output}")

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log, writing
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("GPS_RAW_INT", "GPS", "GPS2", "GLOBAL_POSITION_INT", "POS")
@@ -41,30 +41,25 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     for path in args.logs:
         refuse_log(f"{path}.gpx", args.logs, option="")
-    with definitions():
-        for path in args.logs:
-            output = f"{path}.gpx"
-            with reading("togpx", path) as log:
-                count = _write(log, args, output)
-            print(f"Created {output} with {count} points")
+    read_each("togpx", args, lambda log: _write(log, args), title="")
     return 0
 
 
-def _write(log: Reading, args: Namespace, path: str) -> int:
-    """Write the track; how many points it has. After an error the file is as it was."""
-    count = 0
+def _write(log: Reading, args: Namespace) -> None:
+    """Write the track. After an error the file is as it was."""
+    count, path = 0, f"{log.path}.gpx"
     with writing(path, option="") as file:
         file.write(HEADER.encode())
         for point in _points(log, args):
             file.write(point.encode())
             count += 1
         file.write(FOOTER.encode())
-    return count
+    print(f"Created {path} with {count} points")
 
 
 class Point(NamedTuple):
-    """A position: degrees, metres, metres a second. Of a message that does not tell them, `course`,
-    `speed` and `fix_type` are None: those of the last one that did stand for them.
+    """A position: degrees, metres, metres a second. `course`, `speed` and `fix_type` are None where
+    its message has no such field.
     """
 
     lat: float
@@ -75,7 +70,7 @@ class Point(NamedTuple):
     fix_type: int | None = None
 
     def filled_in(self, last: Point) -> Point:
-        """The point with what its message does not tell from the one before, of whatever type."""
+        """The point with the missing values of the point before, of any type."""
         known = last._asdict()
         return self._replace(**{name: known[name] for name in known if getattr(self, name) is None})
 

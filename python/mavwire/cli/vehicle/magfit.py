@@ -8,7 +8,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, results
 from mavwire.cli._shared_arguments import add_shared
 
 PARAMETERS = ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z")
@@ -23,6 +23,9 @@ FAR = 10.0
 ROUNDS = 3
 # A mean distance from the sphere beyond this share of its radius is no calibration.
 WORST = 0.15
+
+Offsets = tuple[float, ...]
+Points = list[tuple[float, ...]]
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -47,23 +50,20 @@ def main(args: Namespace) -> int:
     if args.radius is not None and not 0 < args.radius < float("inf"):
         raise CommandError(f"--radius is a number of milligauss, not {args.radius}")
     figures = open_figures(args.image) if args.plot else None
-    with definitions():
-        for path in args.logs:
-            print(f"Processing log {path}")
-            points, offsets = _read(path, args)
-            print(f"Extracted {len(points)} data points")
-            print(f"Current offsets: {_vector(offsets)}")
-            raw = np.array(points, float).reshape(-1, 3)
-            if args.noise:
-                raw = raw + np.random.default_rng().uniform(-args.noise, args.noise, raw.shape)
-            centre, radius, kept = fit(raw, args.radius)
-            residual = _distances(raw[kept], centre) - radius
-            print(f"Fitted {int(kept.sum())} data points")
-            print(f"New offsets: {_vector(-centre)}")
-            print(f"Field strength: {radius:.1f}, residual {residual.std():.2f}")
-            _warn_of_no_sphere(path, float(np.sqrt((residual**2).mean())), radius)
-            if figures is not None:
-                draw(figures.figure(path), raw, centre)
+    for path, points, offsets in results("magfit", args, lambda log: _read(log, args)):
+        print(f"Extracted {len(points)} data points")
+        print(f"Current offsets: {_vector(offsets)}")
+        raw = np.array(points, float).reshape(-1, 3)
+        if args.noise:
+            raw = raw + np.random.default_rng().uniform(-args.noise, args.noise, raw.shape)
+        centre, radius, kept = fit(raw, args.radius)
+        residual = _distances(raw[kept], centre) - radius
+        print(f"Fitted {int(kept.sum())} data points")
+        print(f"New offsets: {_vector(-centre)}")
+        print(f"Field strength: {radius:.1f}, residual {residual.std():.2f}")
+        _warn_of_no_sphere(path, float(np.sqrt((residual**2).mean())), radius)
+        if figures is not None:
+            draw(figures.figure(path), raw, centre)
     if figures is not None:
         figures.finish()
     return 0
@@ -82,21 +82,18 @@ def _vector(values: Any) -> str:
     return repr(Vector3(*(float(one) for one in values)))
 
 
-def _read(path: str, args: Namespace) -> tuple[list[tuple[float, ...]], tuple[float, ...]]:
-    """The field that one compass measured, without offsets; and the offsets that it had last."""
-    with reading("magfit", path, notimestamps=args.no_timestamps) as log:
-        kind = kind_of(log.link)
-        if kind == "CSV":
-            raise CommandError(f"{path} is a CSV log; this is for telemetry and dataflash logs")
-        if kind == "telemetry":
-            return _telemetry(log, args.condition)
-        return _dataflash(log, args.mag2, args.condition)
+def _read(log: Reading, args: Namespace) -> tuple[str, Points, Offsets]:
+    """The log, the field that one compass measured, without offsets, and the offsets that it had last."""
+    kind = kind_of(log.link)
+    if kind == "CSV":
+        raise CommandError(f"{log.path} is a CSV log; this is for telemetry and dataflash logs")
+    if kind == "telemetry":
+        return log.path, *_telemetry(log, args.condition)
+    return log.path, *_dataflash(log, args.mag2, args.condition)
 
 
-def _telemetry(
-    log: Reading, condition: str | None
-) -> tuple[list[tuple[float, ...]], tuple[float, ...]]:
-    points: list[tuple[float, ...]] = []
+def _telemetry(log: Reading, condition: str | None) -> tuple[Points, Offsets]:
+    points: Points = []
     offsets = [0.0, 0.0, 0.0]
     for msg in log.messages(("RAW_IMU", "SENSOR_OFFSETS", "PARAM_VALUE"), condition):
         kind = msg.get_type()
@@ -111,14 +108,12 @@ def _telemetry(
     return points, tuple(offsets)
 
 
-def _dataflash(
-    log: Reading, second: bool, condition: str | None
-) -> tuple[list[tuple[float, ...]], tuple[float, ...]]:
+def _dataflash(log: Reading, second: bool, condition: str | None) -> tuple[Points, Offsets]:
     """Old logs have a type for each compass, newer ones an instance field in MAG."""
     kind = "MAG2" if second and "MAG2" in log.link.name_to_id else "MAG"
     wanted = 1 if second and kind == "MAG" else 0
-    points: list[tuple[float, ...]] = []
-    offsets: tuple[float, ...] = (0.0, 0.0, 0.0)
+    points: Points = []
+    offsets: Offsets = (0.0, 0.0, 0.0)
     for msg in log.messages([kind], condition):
         if getattr(msg, msg.fmt.instance_field or "I", 0) != wanted:
             continue

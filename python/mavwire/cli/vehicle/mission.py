@@ -8,7 +8,7 @@ from typing import Any
 
 from mavwire.cli._errors import tell
 from mavwire.cli._output import refuse_log
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
@@ -29,23 +29,23 @@ def main(args: Namespace) -> int:
     """Run the subcommand. Of several logs the last one's mission stays in the file, and a log without
     a mission leaves what is there.
     """
+    refuse_log(args.output, args.logs)
+    read_each("mission", args, lambda log: _save(log, args.output), title="")
+    return 0
+
+
+def _save(log: Reading, output: str) -> None:
     from mavwire import mavwp
 
-    refuse_log(args.output, args.logs)
-    with definitions():
-        for path in args.logs:
-            mission = mavwp.MAVWPLoader()
-            with reading("mission", path) as log:
-                for msg in log.messages(TYPES, alone=True):
-                    if getattr(msg, "mission_type", MISSION) == MISSION:
-                        _put(mission, _item(msg))
-            if not mission.count() and os.path.exists(args.output):
-                kept = f"no mission in {path}, {args.output} is left as it is"
-                tell(f"mavwire mission: {kept}")
-                continue
-            mission.save(args.output)
-            print(f"Saved {mission.count()} waypoints to {args.output}")
-    return 0
+    mission = mavwp.MAVWPLoader()
+    for msg in log.messages(TYPES, alone=True):
+        if getattr(msg, "mission_type", MISSION) == MISSION:
+            _put(mission, _item(msg))
+    if not mission.count() and os.path.exists(output):
+        tell(f"mavwire mission: no mission in {log.path}, {output} is left as it is")
+        return
+    mission.save(output)
+    print(f"Saved {mission.count()} waypoints to {output}")
 
 
 def _put(mission: Any, item: Any) -> None:
@@ -59,7 +59,7 @@ def _put(mission: Any, item: Any) -> None:
 
 
 def _item(msg: Any) -> Any:
-    """A MISSION_ITEM, from whatever a log keeps a mission in."""
+    """A MISSION_ITEM of any message that holds an item of a mission."""
     from mavwire import mavutil
 
     make = mavutil.mavlink.MAVLink_mission_item_message

@@ -6,7 +6,7 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("PARAM_VALUE", "PARM")
@@ -25,10 +25,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     values: dict[str, float] = {}
-    with definitions():
-        for path in args.logs:
-            with reading("parms", path) as log:
-                _read(log, values, args.changes)
+    read_each("parms", args, lambda log: _read(log, values, args.changes), title="")
     if args.qgc:
         print("\n# # Vehicle-Id Component-Id Name Value Type\n")
     if not args.changes:
