@@ -6,8 +6,7 @@ import asyncio
 import logging
 import os
 import signal
-import threading
-from concurrent.futures import Future
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
@@ -89,22 +88,13 @@ def _check_scheduler(address: str) -> None:
     if dask.config.get("distributed.client.security-loader", None):
         return  # it knows how to connect, and the client asks it
     seconds = parse_timedelta(dask.config.get("distributed.comm.timeouts.connect"))
-    answer: Future[None] = Future()
-
-    def ask() -> None:
+    with ThreadPoolExecutor(1) as pool:  # this thread may run a loop, as in a notebook
         try:
-            answer.set_result(asyncio.run(_ask(address, seconds)))
-        except BaseException as error:
-            answer.set_exception(error)
-
-    # A thread, since this one may run a loop, and one that Ctrl-C does not wait for.
-    threading.Thread(target=ask, daemon=True).start()
-    try:
-        answer.result()
-    except TimeoutError:
-        raise OSError(f"no scheduler answers at {address} for {seconds:g} s") from None
-    except Exception as error:  # whatever the transports of Dask raise
-        raise OSError(f"no scheduler answers at {address}: {in_words(error)}") from error
+            pool.submit(asyncio.run, _ask(address, seconds)).result()
+        except TimeoutError:
+            raise OSError(f"no scheduler answers at {address} for {seconds:g} s") from None
+        except Exception as error:  # transports of Dask raise errors of any type
+            raise OSError(f"no scheduler answers at {address}: {in_words(error)}") from error
 
 
 async def _ask(address: str, seconds: float) -> None:

@@ -50,7 +50,7 @@ class Store:
         self.root = root
         if not root:
             raise ValueError("the folder for the files has an empty name")
-        self._made = list(_missing(root))
+        self._is_new = not os.path.lexists(root)
         try:
             os.makedirs(root, exist_ok=True)
         except FileExistsError:  # a file, or a link that leads nowhere
@@ -111,13 +111,13 @@ class Store:
         """Keep other runs from writing to the folder. ValueError where one does so already. A folder
         that was made for a run and that is empty afterwards is removed.
         """
-        with self._lock():
-            try:
+        try:
+            with self._lock():
                 yield
-            finally:
+        finally:
+            if self._is_new:
                 with suppress(OSError):
-                    for folder in self._made:
-                        os.rmdir(folder)
+                    os.rmdir(self.root)
 
     @contextmanager
     def _lock(self) -> Iterator[None]:
@@ -128,15 +128,12 @@ class Store:
         try:
             try:
                 fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                is_free = _is_at(folder, self.root)
             except BlockingIOError:
-                is_free = False
-            except OSError:
-                is_free = True  # a file system without locks
-            if not is_free:
                 raise ValueError(
                     f"another conversion is writing to {self.root}: wait for it, or choose another folder"
-                )
+                ) from None
+            except OSError:
+                pass  # a file system without locks
             yield
         finally:
             os.close(folder)
@@ -149,25 +146,6 @@ class Store:
             for entry in list(os.scandir(folder)):
                 if is_draft(entry.name):
                     os.remove(entry.path)
-
-
-def _is_at(descriptor: int, path: str) -> bool:
-    """Whether a folder that is open still is the one at `path`, and was not removed meanwhile."""
-    try:
-        return os.path.samestat(os.fstat(descriptor), os.stat(path))
-    except FileNotFoundError:
-        return False
-
-
-def _missing(folder: str) -> Iterator[str]:
-    """The folders that are to be made for one, the innermost first."""
-    folder = os.path.abspath(folder)
-    while not os.path.lexists(folder):
-        yield folder
-        parent = os.path.dirname(folder)
-        if parent == folder:  # a drive that is not there
-            return
-        folder = parent
 
 
 def drafts_of(*names: str) -> Callable[[str], bool]:

@@ -19,7 +19,7 @@ from mavwire._native import draft_stem
 from mavwire.logs import journal
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import JOURNAL, MANIFEST, Manifest
-from mavwire.logs.store import Store, _missing
+from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
 HEARTBEATS = 3
@@ -254,21 +254,6 @@ def test_one_run_at_a_time(tiny, tmp_path):
         convert(tiny, tmp_path)
     assert list(tmp_path.iterdir()) == []
     assert all(row.error is None for row in convert(tiny, tmp_path))
-
-
-def test_a_folder_that_another_run_took_with_it_is_not_written_to(tiny, tmp_path, monkeypatch):
-    """It was made for both, and the other one had nothing to leave in it."""
-    fcntl = pytest.importorskip("fcntl")
-    out = tmp_path / "out"
-    monkeypatch.setattr(fcntl, "flock", lambda *_: out.rmdir())
-    with pytest.raises(ValueError, match="another conversion is writing to"):
-        convert(tiny, out)
-    assert not out.exists()
-
-
-def test_a_drive_that_is_not_there_is_no_endless_search(monkeypatch):
-    monkeypatch.setattr(os.path, "lexists", lambda path: False)
-    assert len(list(_missing("/a/b"))) == 3
 
 
 def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):
