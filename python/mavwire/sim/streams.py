@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.dialects.v20 import all as mavlink
 
 from .service import Handler, Service
-from .telemetry import TELEMETRY
+from .telemetry import TELEMETRY, message
 
 if TYPE_CHECKING:
     from .vehicle import Vehicle
@@ -111,7 +111,7 @@ class Streams(Service):
 
     def send(self, name: str) -> None:
         """Send one message of the table, now."""
-        self.vehicle.send(TELEMETRY[name](self.vehicle))
+        self.vehicle.send(message(name, self.vehicle))
 
     def send_by_id(self, message_id: int) -> bool:
         """The same by message id; False when it is not in the table."""

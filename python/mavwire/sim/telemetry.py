@@ -1,4 +1,4 @@
-"""What a vehicle reports of itself: one function for each message."""
+"""Telemetry of a simulated vehicle: for each message the values of its fields, in the order of the definition."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire.dialects.v20 import all as mavlink
 
-from .geo import bearing, distance, e7
+from .geo import Place, bearing, distance, e7
 from .personality.common import values
 from .physics import GRAVITY, Copter
 
 if TYPE_CHECKING:
     from .vehicle import Vehicle
 
-NAN = math.nan
+# Of a vehicle, which the type checker does not know yet when it comes to the table below.
+Values = Callable[[Any], tuple[Any, ...]]
+
 UNKNOWN_16 = 65535
 MAVLINK_VERSION = 3
 # MAV_SYS_STATUS_SENSOR: what a healthy copter has, GPS and arming checks apart.
@@ -42,19 +44,26 @@ WITH_POSITION = 0x33F
 SENSOR_TEMPERATURE = 3500
 # Position targets: everything but position is left out.
 POSITION_ONLY = 0x0DF8
-MICROS = 1_000_000
 
 
-def heartbeat(v: Vehicle) -> Any:
+def _lat_lon(place: Place) -> tuple[int, int]:
+    return e7(place.lat), e7(place.lon)
+
+
+def _global(place: Place) -> tuple[int, int, int]:
+    """Degrees times 1e7, and millimetres."""
+    return *_lat_lon(place), round(place.alt * 1e3)
+
+
+def _heartbeat(v: Vehicle) -> tuple[Any, ...]:
     pilot = v.autopilot
     base = pilot.mode.flags | (mavlink.MAV_MODE_FLAG_SAFETY_ARMED if pilot.armed else 0)
-    return mavlink.MAVLink_heartbeat_message(
-        mavlink.MAV_TYPE_QUADROTOR, v.personality.autopilot, base, pilot.mode.custom_mode,
-        v.personality.system_status(pilot), MAVLINK_VERSION,
-    )  # fmt: skip
+    state = v.personality.system_status(pilot)
+    kind = mavlink.MAV_TYPE_QUADROTOR
+    return kind, v.personality.autopilot, base, pilot.mode.custom_mode, state, MAVLINK_VERSION
 
 
-def sys_status(v: Vehicle) -> Any:
+def _sys_status(v: Vehicle) -> tuple[Any, ...]:
     present = SENSORS | POSITION_SENSORS | PREARM
     health = SENSORS | FENCE_KEPT
     if v.autopilot.position_ok:
@@ -63,33 +72,18 @@ def sys_status(v: Vehicle) -> Any:
         health |= PREARM
     volts, amps = round(v.battery.voltage * 1e3), round(v.battery.current * 1e2)
     load = 250 + round(30 * v.sensors.noise[0])
-    return mavlink.MAVLink_sys_status_message(
-        present, present, health, load, volts, amps, v.battery.remaining, 0, 0, 0, 0, 0, 0
-    )
+    return present, present, health, load, volts, amps, v.battery.remaining, 0, 0, 0, 0, 0, 0
 
 
-def system_time(v: Vehicle) -> Any:
-    return mavlink.MAVLink_system_time_message(v.unix_us, v.time_ms)
-
-
-def ping(v: Vehicle) -> Any:
-    return mavlink.MAVLink_ping_message(v.time_us, v.ticks & 0xFFFFFFFF, 0, 0)
-
-
-def gps_raw_int(v: Vehicle) -> Any:
+def _gps_raw_int(v: Vehicle) -> tuple[Any, ...]:
     sensors, copter = v.sensors, v.copter
+    head = v.time_us, sensors.gps_fix
     if sensors.gps_fix < mavlink.GPS_FIX_TYPE_3D_FIX:
-        return mavlink.MAVLink_gps_raw_int_message(
-            v.time_us, sensors.gps_fix, 0, 0, 0, 9999, 9999, UNKNOWN_16, UNKNOWN_16,
-            sensors.satellites,
-        )  # fmt: skip
-    place = sensors.gps_place()
+        return *head, 0, 0, 0, 9999, 9999, UNKNOWN_16, UNKNOWN_16, sensors.satellites
+    place = _global(sensors.gps_place())
     course = round(math.degrees(math.atan2(copter.ve, copter.vn)) * 100) % 36000
-    return mavlink.MAVLink_gps_raw_int_message(
-        v.time_us, sensors.gps_fix, e7(place.lat), e7(place.lon), round(place.alt * 1e3), 80, 120,
-        round(copter.groundspeed * 100), course, sensors.satellites,
-        round(place.alt * 1e3), 400, 700, 200, 0, 0,
-    )  # fmt: skip
+    motion = round(copter.groundspeed * 100), course
+    return *head, *place, 80, 120, *motion, sensors.satellites, place[2], 400, 700, 200, 0, 0
 
 
 def _imu(v: Vehicle) -> list[int]:
@@ -104,30 +98,18 @@ def _small(v: Vehicle, count: int) -> list[float]:
     return [0.02 + 0.01 * abs(value) for value in v.sensors.noise[:count]]
 
 
-def raw_imu(v: Vehicle) -> Any:
-    return mavlink.MAVLink_raw_imu_message(v.time_us, *[*_imu(v), 0, SENSOR_TEMPERATURE])
+def _filter_flags(v: Vehicle) -> int:
+    return WITH_POSITION if v.autopilot.position_ok else NO_POSITION
 
 
-def scaled_imu(v: Vehicle) -> Any:
-    return mavlink.MAVLink_scaled_imu_message(v.time_ms, *[*_imu(v), SENSOR_TEMPERATURE])
+def _highres_imu(v: Vehicle) -> tuple[Any, ...]:
+    motion = *v.sensors.accel(), *v.sensors.gyro(), *(value / 1e3 for value in v.sensors.mag())
+    air = v.sensors.pressure(), 0.0, v.copter.place.alt
+    return v.time_us, *motion, *air, SENSOR_TEMPERATURE / 100, 0x1BFF
 
 
-def scaled_imu2(v: Vehicle) -> Any:
-    return mavlink.MAVLink_scaled_imu2_message(v.time_ms, *[*_imu(v), SENSOR_TEMPERATURE])
-
-
-def scaled_pressure(v: Vehicle) -> Any:
-    return mavlink.MAVLink_scaled_pressure_message(
-        v.time_ms, v.sensors.pressure(), 0.0, SENSOR_TEMPERATURE
-    )
-
-
-def highres_imu(v: Vehicle) -> Any:
-    x, y, z = v.sensors.mag()
-    return mavlink.MAVLink_highres_imu_message(
-        v.time_us, *v.sensors.accel(), *v.sensors.gyro(), x / 1e3, y / 1e3, z / 1e3,
-        v.sensors.pressure(), 0.0, v.copter.place.alt, SENSOR_TEMPERATURE / 100, 0x1BFF,
-    )  # fmt: skip
+def _tilt(copter: Copter) -> tuple[float, float, float]:
+    return copter.roll, copter.pitch, copter.yaw
 
 
 def _rates(copter: Copter) -> tuple[float, float, float]:
@@ -141,34 +123,19 @@ def _rates(copter: Copter) -> tuple[float, float, float]:
     )
 
 
-def attitude(v: Vehicle) -> Any:
-    copter = v.copter
-    return mavlink.MAVLink_attitude_message(
-        v.time_ms, copter.roll, copter.pitch, copter.yaw, *_rates(copter)
-    )
-
-
-def attitude_quaternion(v: Vehicle) -> Any:
-    return mavlink.MAVLink_attitude_quaternion_message(
-        v.time_ms, *v.copter.quaternion(), *_rates(v.copter)
-    )
-
-
-def local_position_ned(v: Vehicle) -> Any:
+def _local_position_ned(v: Vehicle) -> tuple[Any, ...]:
     c = v.copter
-    return mavlink.MAVLink_local_position_ned_message(
-        v.time_ms, c.north, c.east, -c.up, c.vn, c.ve, -c.climb
-    )
+    return v.time_ms, c.north, c.east, -c.up, c.vn, c.ve, -c.climb
 
 
-def global_position_int(v: Vehicle) -> Any:
-    copter, place = v.copter, v.copter.place
-    lat, lon = (e7(place.lat), e7(place.lon)) if v.sensors.gps_fix >= 3 else (0, 0)
-    return mavlink.MAVLink_global_position_int_message(
-        v.time_ms, lat, lon, round(place.alt * 1e3), round(v.autopilot.height * 1e3),
-        round(copter.vn * 100), round(copter.ve * 100), round(-copter.climb * 100),
-        _heading(copter) * 100 % 36000,
-    )  # fmt: skip
+def _global_position_int(v: Vehicle) -> tuple[Any, ...]:
+    copter = v.copter
+    lat, lon, alt = _global(copter.place)
+    if v.sensors.gps_fix < mavlink.GPS_FIX_TYPE_3D_FIX:
+        lat = lon = 0
+    velocity = (round(value * 100) for value in (copter.vn, copter.ve, -copter.climb))
+    height = round(v.autopilot.height * 1e3)
+    return v.time_ms, lat, lon, alt, height, *velocity, _heading(copter) * 100 % 36000
 
 
 def _heading(copter: Copter) -> int:
@@ -182,28 +149,20 @@ def _throttle(v: Vehicle) -> int:
     return 10 if v.copter.landed else max(0, min(100, round(39 + 4 * v.copter.au)))
 
 
-def servo_output_raw(v: Vehicle) -> Any:
+def _servo_output_raw(v: Vehicle) -> tuple[Any, ...]:
     middle = 1000 + 10 * _throttle(v)
-    sensors, copter = v.sensors, v.copter
-    roll, pitch = round(60 * copter.roll_rate), round(60 * copter.pitch_rate)
-    if not v.autopilot.armed or copter.landed:
-        motors = [middle] * 4
-    else:
-        motors = [
-            middle - roll + pitch, middle + roll - pitch, middle + roll + pitch,
-            middle - roll - pitch + round(10 * sensors.noise[3]),
-        ]  # fmt: skip
-    pulses = [max(1000, min(2000, motor)) for motor in motors]
-    pulses += [v.servos.get(channel, 0) for channel in range(5, 9)]
-    return mavlink.MAVLink_servo_output_raw_message(v.time_us & 0xFFFFFFFF, 0, *pulses)
+    copter = v.copter
+    motors = [middle] * 4
+    if v.autopilot.armed and not copter.landed:
+        roll, pitch = round(60 * copter.roll_rate), round(60 * copter.pitch_rate)
+        last = middle - roll - pitch + round(10 * v.sensors.noise[3])
+        motors = [middle - roll + pitch, middle + roll - pitch, middle + roll + pitch, last]
+    pulses = (max(1000, min(2000, motor)) for motor in motors)
+    servos = (v.servos.get(channel, 0) for channel in range(5, 9))
+    return v.time_us & 0xFFFFFFFF, 0, *pulses, *servos
 
 
-def rc_channels(v: Vehicle) -> Any:
-    channels = v.guided.channels
-    return mavlink.MAVLink_rc_channels_message(v.time_ms, 16, *[*channels, 255])
-
-
-def mission_current(v: Vehicle) -> Any:
+def _mission_current(v: Vehicle) -> tuple[Any, ...]:
     plan, pilot = v.plans[0], v.autopilot
     if not plan.items:
         state = mavlink.MISSION_STATE_NO_MISSION
@@ -215,173 +174,127 @@ def mission_current(v: Vehicle) -> Any:
         state = mavlink.MISSION_STATE_PAUSED if plan.current else mavlink.MISSION_STATE_NOT_STARTED
     total = max(len(plan) - v.personality.first_mission_item, 0)
     in_mission = 1 if pilot.task.name == "mission" else 2
-    return mavlink.MAVLink_mission_current_message(plan.current, total, state, in_mission)
+    return plan.current, total, state, in_mission
 
 
-def nav_controller_output(v: Vehicle) -> Any:
+def _nav_controller_output(v: Vehicle) -> tuple[Any, ...]:
     copter, target = v.copter, v.autopilot.task.target
     roll, pitch = math.degrees(copter.roll), math.degrees(copter.pitch)
     if target is None:
         heading = _heading(copter)
-        heading = heading - 360 if heading > 180 else heading
-        return mavlink.MAVLink_nav_controller_output_message(roll, pitch, heading, 0, 0, 0, 0, 0)
+        return roll, pitch, heading - 360 if heading > 180 else heading, 0, 0, 0, 0, 0
     way = round(math.degrees(bearing(copter.local, target)))
-    away = min(round(distance(copter.local, target)), 65535)
-    above = target.up - copter.up
-    return mavlink.MAVLink_nav_controller_output_message(roll, pitch, way, way, away, above, 0, 0)
+    away = min(round(distance(copter.local, target)), UNKNOWN_16)
+    return roll, pitch, way, way, away, target.up - copter.up, 0, 0
 
 
-def position_target_global_int(v: Vehicle) -> Any:
+def _position_target_global_int(v: Vehicle) -> tuple[Any, ...]:
+    place = v.copter.origin.globe(v.autopilot.task.target or v.copter.local)
+    frame = mavlink.MAV_FRAME_GLOBAL
+    return v.time_ms, frame, POSITION_ONLY, *_lat_lon(place), place.alt, *[0] * 8
+
+
+def _position_target_local_ned(v: Vehicle) -> tuple[Any, ...]:
     target = v.autopilot.task.target or v.copter.local
-    place = v.copter.origin.globe(target)
-    return mavlink.MAVLink_position_target_global_int_message(
-        v.time_ms, mavlink.MAV_FRAME_GLOBAL, POSITION_ONLY, e7(place.lat), e7(place.lon), place.alt,
-        0, 0, 0, 0, 0, 0, 0, 0,
-    )  # fmt: skip
+    place = target.north, target.east, -target.up
+    return v.time_ms, mavlink.MAV_FRAME_LOCAL_NED, POSITION_ONLY, *place, *[0] * 8
 
 
-def position_target_local_ned(v: Vehicle) -> Any:
-    target = v.autopilot.task.target or v.copter.local
-    return mavlink.MAVLink_position_target_local_ned_message(
-        v.time_ms, mavlink.MAV_FRAME_LOCAL_NED, POSITION_ONLY, target.north, target.east,
-        -target.up, 0, 0, 0, 0, 0, 0, 0, 0,
-    )  # fmt: skip
+def _vfr_hud(v: Vehicle) -> tuple[Any, ...]:
+    c = v.copter
+    return c.airspeed, c.groundspeed, _heading(c), _throttle(v), c.place.alt, c.climb
 
 
-def vfr_hud(v: Vehicle) -> Any:
-    copter = v.copter
-    return mavlink.MAVLink_vfr_hud_message(
-        copter.airspeed, copter.groundspeed, _heading(copter), _throttle(v), copter.place.alt,
-        copter.climb,
-    )  # fmt: skip
-
-
-def power_status(v: Vehicle) -> Any:
-    return mavlink.MAVLink_power_status_message(5000 + round(10 * v.sensors.noise[1]), 0, 1)
-
-
-def battery_status(v: Vehicle) -> Any:
+def _battery_status(v: Vehicle) -> tuple[Any, ...]:
     battery = v.battery
     cells = [round(battery.voltage * 250)] * 4 + [UNKNOWN_16] * 6
     used = round(battery.used)
-    low = v.autopilot.battery_low
-    return mavlink.MAVLink_battery_status_message(
-        0, 0, 1, SENSOR_TEMPERATURE, cells, round(battery.current * 100), used,
-        round(used * 0.0532), battery.remaining, 0, 2 if low else 1,
-    )  # fmt: skip
+    drawn = round(battery.current * 100), used, round(used * 0.0532)
+    state = 2 if v.autopilot.battery_low else 1
+    return 0, 0, 1, SENSOR_TEMPERATURE, cells, *drawn, battery.remaining, 0, state
 
 
-def estimator_status(v: Vehicle) -> Any:
-    flags = WITH_POSITION if v.autopilot.position_ok else NO_POSITION
-    return mavlink.MAVLink_estimator_status_message(v.time_us, flags, *[*_small(v, 6), 0.4, 0.6])
-
-
-def ekf_status_report(v: Vehicle) -> Any:
-    flags = WITH_POSITION if v.autopilot.position_ok else NO_POSITION
-    return mavlink.MAVLink_ekf_status_report_message(flags, *[*_small(v, 4), 0.0])
-
-
-def vibration(v: Vehicle) -> Any:
+def _vibration(v: Vehicle) -> tuple[Any, ...]:
     share = 0.3 if v.autopilot.armed else 0.01
-    x, y, z = (share * (1 + 0.2 * value) for value in v.sensors.noise[:3])
-    return mavlink.MAVLink_vibration_message(v.time_us, x, y, z, 0, 0, 0)
+    return v.time_us, *(share * (1 + 0.2 * value) for value in v.sensors.noise[:3]), 0, 0, 0
 
 
-def home_position(v: Vehicle) -> Any:
-    home, local = v.autopilot.home_place, v.autopilot.home_local
-    return mavlink.MAVLink_home_position_message(
-        e7(home.lat), e7(home.lon), round(home.alt * 1e3), local.north, local.east, -local.up,
-        [1, 0, 0, 0], 0, 0, 0, v.time_us,
-    )  # fmt: skip
+def _home_position(v: Vehicle) -> tuple[Any, ...]:
+    local = v.autopilot.home_local
+    place = *_global(v.autopilot.home_place), local.north, local.east, -local.up
+    return *place, [1, 0, 0, 0], 0, 0, 0, v.time_us
 
 
-def gps_global_origin(v: Vehicle) -> Any:
-    place = v.copter.origin.place
-    return mavlink.MAVLink_gps_global_origin_message(
-        e7(place.lat), e7(place.lon), round(place.alt * 1e3), v.time_us
-    )
+def _altitude(v: Vehicle) -> tuple[Any, ...]:
+    above, up = v.copter.place.alt, v.copter.up
+    return v.time_us, above, above, up, v.autopilot.height, up, math.nan
 
 
-def extended_sys_state(v: Vehicle) -> Any:
-    return mavlink.MAVLink_extended_sys_state_message(0, v.autopilot.landed_state)
+def _wind(v: Vehicle) -> tuple[Any, ...]:
+    north, east = v.copter.wind_north, v.copter.wind_east
+    return math.degrees(math.atan2(-east, -north)), math.hypot(north, east), 0.0
 
 
-def altitude(v: Vehicle) -> Any:
-    copter, above = v.copter, v.copter.place.alt
-    return mavlink.MAVLink_altitude_message(
-        v.time_us, above, above, copter.up, v.autopilot.height, copter.up, NAN
-    )
-
-
-def meminfo(v: Vehicle) -> Any:
-    return mavlink.MAVLink_meminfo_message(0, UNKNOWN_16, 131072)
-
-
-def ahrs(v: Vehicle) -> Any:
-    x, y, z = (0.0005 * value for value in v.sensors.noise[:3])
-    return mavlink.MAVLink_ahrs_message(x, y, z, 0.0, 0.0, 0.002, 0.003)
-
-
-def ahrs2(v: Vehicle) -> Any:
-    copter, place = v.copter, v.copter.place
-    tilt = (copter.roll, copter.pitch, copter.yaw)
-    return mavlink.MAVLink_ahrs2_message(*tilt, place.alt, e7(place.lat), e7(place.lon))
-
-
-def simstate(v: Vehicle) -> Any:
-    copter, place = v.copter, v.copter.place
-    return mavlink.MAVLink_simstate_message(
-        copter.roll, copter.pitch, copter.yaw, *copter.specific_force(), *_rates(copter),
-        e7(place.lat), e7(place.lon),
-    )  # fmt: skip
-
-
-def hwstatus(v: Vehicle) -> Any:
-    return mavlink.MAVLink_hwstatus_message(5000, 0)
-
-
-def wind(v: Vehicle) -> Any:
-    copter = v.copter
-    comes_from = math.degrees(math.atan2(-copter.wind_east, -copter.wind_north))
-    speed = math.hypot(copter.wind_north, copter.wind_east)
-    return mavlink.MAVLink_wind_message(comes_from, speed, 0.0)
-
-
-def current_mode(v: Vehicle) -> Any:
+def _current_mode(v: Vehicle) -> tuple[Any, ...]:
     mode = v.autopilot.mode
-    return mavlink.MAVLink_current_mode_message(mode.standard, mode.custom_mode, mode.custom_mode)
+    return mode.standard, mode.custom_mode, mode.custom_mode
 
 
-def fence_status(v: Vehicle) -> Any:
-    return mavlink.MAVLink_fence_status_message(0, 0, 0, 0)
-
-
-def flight_information(v: Vehicle) -> Any:
-    return mavlink.MAVLink_flight_information_message(
-        v.time_ms, v.armed_unix_us, v.takeoff_unix_us, v.sysid
-    )
-
-
-def autopilot_version(v: Vehicle) -> Any:
+def _autopilot_version(v: Vehicle) -> tuple[Any, ...]:
     major, minor, patch = v.personality.version
     version = major << 24 | minor << 16 | patch << 8 | 0xFF
     commit = list(b"mavwire\0")
-    return mavlink.MAVLink_autopilot_version_message(
-        v.personality.capabilities, version, version, version, 0, commit, commit, commit,
-        0, 0, 0x6D617677_00000000 | v.sysid,
-    )  # fmt: skip
+    head = v.personality.capabilities, version, version, version, 0
+    return *head, commit, commit, commit, 0, 0, 0x6D617677_00000000 | v.sysid
 
 
-_FUNCTIONS: tuple[Callable[[Vehicle], Any], ...] = (
-    heartbeat, sys_status, system_time, ping, gps_raw_int, raw_imu, scaled_imu, scaled_imu2,
-    scaled_pressure, highres_imu, attitude, attitude_quaternion, local_position_ned,
-    global_position_int, servo_output_raw, rc_channels, mission_current, nav_controller_output,
-    position_target_global_int, position_target_local_ned, vfr_hud, power_status, battery_status,
-    estimator_status, ekf_status_report, vibration, home_position, gps_global_origin,
-    extended_sys_state, altitude, meminfo, ahrs, ahrs2, simstate, hwstatus, wind, current_mode,
-    fence_status, flight_information, autopilot_version,
-)  # fmt: skip
-TELEMETRY: dict[str, Callable[[Vehicle], Any]] = {
-    function.__name__.upper(): function for function in _FUNCTIONS
+TELEMETRY: dict[str, Values] = {
+    "HEARTBEAT": _heartbeat,
+    "SYS_STATUS": _sys_status,
+    "SYSTEM_TIME": lambda v: (v.unix_us, v.time_ms),
+    "PING": lambda v: (v.time_us, v.ticks & 0xFFFFFFFF, 0, 0),
+    "GPS_RAW_INT": _gps_raw_int,
+    "RAW_IMU": lambda v: (v.time_us, *_imu(v), 0, SENSOR_TEMPERATURE),
+    "SCALED_IMU": lambda v: (v.time_ms, *_imu(v), SENSOR_TEMPERATURE),
+    "SCALED_IMU2": lambda v: (v.time_ms, *_imu(v), SENSOR_TEMPERATURE),
+    "SCALED_PRESSURE": lambda v: (v.time_ms, v.sensors.pressure(), 0.0, SENSOR_TEMPERATURE),
+    "HIGHRES_IMU": _highres_imu,
+    "ATTITUDE": lambda v: (v.time_ms, *_tilt(v.copter), *_rates(v.copter)),
+    "ATTITUDE_QUATERNION": lambda v: (v.time_ms, *v.copter.quaternion(), *_rates(v.copter)),
+    "LOCAL_POSITION_NED": _local_position_ned,
+    "GLOBAL_POSITION_INT": _global_position_int,
+    "SERVO_OUTPUT_RAW": _servo_output_raw,
+    "RC_CHANNELS": lambda v: (v.time_ms, 16, *v.guided.channels, 255),
+    "MISSION_CURRENT": _mission_current,
+    "NAV_CONTROLLER_OUTPUT": _nav_controller_output,
+    "POSITION_TARGET_GLOBAL_INT": _position_target_global_int,
+    "POSITION_TARGET_LOCAL_NED": _position_target_local_ned,
+    "VFR_HUD": _vfr_hud,
+    "POWER_STATUS": lambda v: (5000 + round(10 * v.sensors.noise[1]), 0, 1),
+    "BATTERY_STATUS": _battery_status,
+    "ESTIMATOR_STATUS": lambda v: (v.time_us, _filter_flags(v), *_small(v, 6), 0.4, 0.6),
+    "EKF_STATUS_REPORT": lambda v: (_filter_flags(v), *_small(v, 4), 0.0),
+    "VIBRATION": _vibration,
+    "HOME_POSITION": _home_position,
+    "GPS_GLOBAL_ORIGIN": lambda v: (*_global(v.copter.origin.place), v.time_us),
+    "EXTENDED_SYS_STATE": lambda v: (0, v.autopilot.landed_state),
+    "ALTITUDE": _altitude,
+    "MEMINFO": lambda v: (0, UNKNOWN_16, 131072),
+    "AHRS": lambda v: (*(0.0005 * one for one in v.sensors.noise[:3]), 0.0, 0.0, 0.002, 0.003),
+    "AHRS2": lambda v: (*_tilt(v.copter), v.copter.place.alt, *_lat_lon(v.copter.place)),
+    "SIMSTATE": lambda v: (
+        *(*_tilt(v.copter), *v.copter.specific_force(), *_rates(v.copter)),
+        *_lat_lon(v.copter.place),
+    ),
+    "HWSTATUS": lambda v: (5000, 0),
+    "WIND": _wind,
+    "CURRENT_MODE": _current_mode,
+    "FENCE_STATUS": lambda v: (0, 0, 0, 0),
+    "FLIGHT_INFORMATION": lambda v: (v.time_ms, v.armed_unix_us, v.takeoff_unix_us, v.sysid),
+    "AUTOPILOT_VERSION": _autopilot_version,
 }
-"""Message name -> function that makes it."""
+
+
+def message(name: str, vehicle: Vehicle) -> Any:
+    """The message `name` of the table, as `vehicle` sends it now."""
+    return getattr(mavlink, f"MAVLink_{name.lower()}_message")(*TELEMETRY[name](vehicle))
