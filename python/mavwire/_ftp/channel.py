@@ -50,8 +50,7 @@ class Channel:
             log.info("FTP: > %s", op)
         if random.randrange(100) < self.settings.pkt_loss_tx:
             return
-        payload = bytes(op.pack()).ljust(HEADER.size + MAX_PAYLOAD, b"\0")
-        self.master.mav.file_transfer_protocol_send(self.network, *self.target, payload)
+        self.master.mav.file_transfer_protocol_send(self.network, *self.target, padded(op))
 
     def receive(self, timeout: float) -> FTP_OP | None:
         """The next packet of the vehicle, waiting at most `timeout` seconds."""
@@ -76,16 +75,23 @@ class Channel:
         return own == 0 or msg.target_system in (0, own)
 
 
-def parse(msg: Any) -> FTP_OP | None:
-    """The packet in a message, without its padding; None when its size is none."""
-    payload = bytes(msg.payload)
-    if len(payload) < HEADER.size:
-        return None
+def padded(op: FTP_OP) -> bytes:
+    """A packet as FILE_TRANSFER_PROTOCOL carries it."""
+    return bytes(op.pack()).ljust(HEADER.size + MAX_PAYLOAD, b"\0")
+
+
+def unpacked(payload: bytes) -> FTP_OP:
+    """The packet in the payload of a message, without its padding."""
     seq, session, opcode, size, request, complete, _, offset = HEADER.unpack_from(payload)
-    if size > MAX_PAYLOAD:
-        return None
     data = payload[HEADER.size : HEADER.size + size]
     return FTP_OP(seq, session, opcode, size, request, complete, offset, data)
+
+
+def parse(msg: Any) -> FTP_OP | None:
+    """The packet in a message; None for a payload that is too short, or a size that is too large."""
+    payload = bytes(msg.payload)
+    op = unpacked(payload) if len(payload) >= HEADER.size else None
+    return op if op is not None and op.size <= MAX_PAYLOAD else None
 
 
 def answers(op: FTP_OP, request: FTP_OP) -> bool:

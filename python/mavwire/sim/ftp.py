@@ -10,10 +10,12 @@ import struct
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavwire._ftp.wire import HEADER, MAX_PAYLOAD
+from mavwire._ftp.channel import padded, unpacked
+from mavwire._ftp.wire import MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.mavftp_op import FTP_OP
 
 from .files import MAX_FILE, Files, parameter_file
 from .service import Address, Handler, Service, sender
@@ -22,44 +24,13 @@ if TYPE_CHECKING:
     from .vehicle import Vehicle
 
 T = TypeVar("T")
+Operation = Callable[[FTP_OP, Address], FTP_OP | None]
 
 MAX_SESSIONS = 4
 BURST_PACKETS = 500
 PACKETS_PER_TICK = 4
 ACK, NAK = mavlink.MAV_FTP_OPCODE_ACK, mavlink.MAV_FTP_OPCODE_NAK
 BURST = mavlink.MAV_FTP_OPCODE_BURSTREADFILE
-
-
-class Packet(NamedTuple):
-    """An FTP packet without its padding."""
-
-    seq: int
-    session: int
-    opcode: int
-    size: int
-    request: int
-    burst_complete: int
-    offset: int
-    data: bytes
-
-    @classmethod
-    def parse(cls, payload: bytes) -> Packet:
-        """From the payload of a message."""
-        seq, session, opcode, size, request, complete, _, offset = HEADER.unpack_from(payload)
-        return cls(seq, session, opcode, size, request, complete, offset, payload[HEADER.size :])
-
-    @property
-    def text(self) -> str:
-        """The data as text: a path."""
-        return self.data[: self.size].split(b"\0", 1)[0].decode("utf-8", "replace")
-
-    def payload(self) -> list[int]:
-        """As FILE_TRANSFER_PROTOCOL carries it."""
-        head = HEADER.pack(
-            self.seq & 0xFFFF, self.session, self.opcode, self.size, self.request,
-            self.burst_complete, 0, self.offset,
-        )  # fmt: skip
-        return list((head + self.data).ljust(HEADER.size + MAX_PAYLOAD, b"\0"))
 
 
 class FtpError(Exception):
@@ -102,9 +73,9 @@ class Ftp(Service):
             self.files.add_made("@PARAM/param.pck", parameter_file(vehicle))
         self._sessions: dict[int, Session] = {}
         self._streams: list[Stream] = []
-        self._last: tuple[Address, bytes, list[int]] | None = None
-        self._operations: dict[int, Callable[[Packet, Address], Packet | None]] = {
-            mavlink.MAV_FTP_OPCODE_NONE: self._nothing,
+        self._last: tuple[Address, bytes, bytes] | None = None
+        self._operations: dict[int, Operation] = {
+            mavlink.MAV_FTP_OPCODE_NONE: lambda packet, to: _reply(packet),
             mavlink.MAV_FTP_OPCODE_TERMINATESESSION: self._terminate,
             mavlink.MAV_FTP_OPCODE_RESETSESSION: self._reset,
             mavlink.MAV_FTP_OPCODE_LISTDIRECTORY: self._list,
@@ -113,9 +84,9 @@ class Ftp(Service):
             mavlink.MAV_FTP_OPCODE_CREATEFILE: self._create,
             mavlink.MAV_FTP_OPCODE_OPENFILEWO: self._create,
             mavlink.MAV_FTP_OPCODE_WRITEFILE: self._write,
-            mavlink.MAV_FTP_OPCODE_REMOVEFILE: self._remove,
+            mavlink.MAV_FTP_OPCODE_REMOVEFILE: self._changed(self.files.remove),
             mavlink.MAV_FTP_OPCODE_CREATEDIRECTORY: self._make_folder,
-            mavlink.MAV_FTP_OPCODE_REMOVEDIRECTORY: self._remove_folder,
+            mavlink.MAV_FTP_OPCODE_REMOVEDIRECTORY: self._changed(self.files.remove_folder),
             mavlink.MAV_FTP_OPCODE_TRUNCATEFILE: self._truncate,
             mavlink.MAV_FTP_OPCODE_RENAME: self._rename,
             mavlink.MAV_FTP_OPCODE_CALCFILECRC: self._crc,
@@ -127,7 +98,7 @@ class Ftp(Service):
 
     def _on_packet(self, msg: Any) -> None:
         request, to = bytes(msg.payload), sender(msg)
-        packet = Packet.parse(request)
+        packet = unpacked(request)
         if packet.opcode in (ACK, NAK):
             return
         last = self._last
@@ -136,11 +107,11 @@ class Ftp(Service):
             return
         answer = self._answer(packet, to)
         if answer is not None:
-            payload = answer.payload()
+            payload = padded(answer)
             self._last = (to, request, payload)
             self._send(to, payload)
 
-    def _answer(self, packet: Packet, to: Address) -> Packet | None:
+    def _answer(self, packet: FTP_OP, to: Address) -> FTP_OP | None:
         operation = self._operations.get(packet.opcode)
         try:
             if operation is None:
@@ -151,18 +122,18 @@ class Ftp(Service):
         except FtpError as failed:
             return _reply(packet, bytes((failed.error,)), opcode=NAK)
 
-    def _send(self, to: Address, payload: list[int]) -> None:
+    def _send(self, to: Address, payload: bytes) -> None:
         self.vehicle.send(mavlink.MAVLink_file_transfer_protocol_message(0, *to, payload))
 
     # -- sessions
 
-    def _session(self, packet: Packet) -> Session:
+    def _session(self, packet: FTP_OP) -> Session:
         session = self._sessions.get(packet.session)
         if session is None:
             raise FtpError(mavlink.MAV_FTP_ERR_INVALIDSESSION)
         return session
 
-    def _add_session(self, packet: Packet, session: Session) -> int:
+    def _add_session(self, packet: FTP_OP, session: Session) -> int:
         """The number of a new session: PX4 hands one out, ArduPilot takes the client's."""
         number = packet.session
         if self.vehicle.personality.ftp_client_sessions:
@@ -181,23 +152,20 @@ class Ftp(Service):
         if session.writing:
             self.files.write(session.path, bytes(session.data))
 
-    def _nothing(self, packet: Packet, to: Address) -> Packet:
-        return _reply(packet)
-
-    def _terminate(self, packet: Packet, to: Address) -> Packet:
+    def _terminate(self, packet: FTP_OP, to: Address) -> FTP_OP:
         self._session(packet)
         self._close(packet.session)
         return _reply(packet)
 
-    def _reset(self, packet: Packet, to: Address) -> Packet:
+    def _reset(self, packet: FTP_OP, to: Address) -> FTP_OP:
         for number in list(self._sessions):
             self._close(number)
         return _reply(packet)
 
     # -- reading
 
-    def _list(self, packet: Packet, to: Address) -> Packet:
-        entries = _found(self.files.listing(packet.text))
+    def _list(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        entries = _found(self.files.listing(_path(packet)))
         if packet.offset >= len(entries):
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
         data = b""
@@ -207,12 +175,12 @@ class Ftp(Service):
             data += entry + b"\0"
         return _reply(packet, data)
 
-    def _open(self, packet: Packet, to: Address) -> Packet:
-        data = _found(self.files.read(packet.text, MAX_PAYLOAD))
-        number = self._add_session(packet, Session(packet.text, bytearray(data)))
+    def _open(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        data = _found(self.files.read(_path(packet), MAX_PAYLOAD))
+        number = self._add_session(packet, Session(_path(packet), bytearray(data)))
         return _reply(packet, struct.pack("<I", len(data)), session=number)
 
-    def _block(self, packet: Packet) -> int:
+    def _block(self, packet: FTP_OP) -> int:
         """How much to read at once; a file that is made is laid out for the first size asked."""
         session, size = self._session(packet), packet.size or MAX_PAYLOAD
         if not session.writing and session.block == 0:
@@ -220,14 +188,14 @@ class Ftp(Service):
             session.data = bytearray(self.files.read(session.path, size) or session.data)
         return size
 
-    def _read(self, packet: Packet, to: Address) -> Packet:
+    def _read(self, packet: FTP_OP, to: Address) -> FTP_OP:
         size = self._block(packet)
         data = self._session(packet).data[packet.offset : packet.offset + size]
         if not data:
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
         return _reply(packet, bytes(data))
 
-    def _burst(self, packet: Packet, to: Address) -> None:
+    def _burst(self, packet: FTP_OP, to: Address) -> None:
         size = self._block(packet)
         if packet.offset >= len(self._session(packet).data):
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
@@ -252,30 +220,28 @@ class Ftp(Service):
         stream.seq += 1
         stream.left -= 1
         end = stream.offset + len(piece) >= len(data) or stream.left == 0
-        packet = Packet(
-            stream.seq, stream.session, ACK, len(piece), BURST, int(end), stream.offset, piece
-        )
-        self._send(stream.to, packet.payload())
+        head = stream.seq & 0xFFFF, stream.session, ACK, len(piece), BURST, int(end)
+        self._send(stream.to, padded(FTP_OP(*head, stream.offset, piece)))
         stream.offset += len(piece)
         return not end
 
-    def _crc(self, packet: Packet, to: Address) -> Packet:
-        data = _found(self.files.read(packet.text, MAX_PAYLOAD))
+    def _crc(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        data = _found(self.files.read(_path(packet), MAX_PAYLOAD))
         return _reply(packet, struct.pack("<I", _crc32(data)))
 
     # -- writing
 
-    def _create(self, packet: Packet, to: Address) -> Packet:
-        if not self.files.writable(packet.text):
+    def _create(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        if not self.files.writable(_path(packet)):
             raise FtpError(mavlink.MAV_FTP_ERR_FILEPROTECTED)
         old = b""
         if packet.opcode == mavlink.MAV_FTP_OPCODE_OPENFILEWO:
-            old = self.files.read(packet.text, MAX_PAYLOAD) or b""
-        number = self._add_session(packet, Session(packet.text, bytearray(old), writing=True))
-        self.files.write(packet.text, old)
+            old = self.files.read(_path(packet), MAX_PAYLOAD) or b""
+        number = self._add_session(packet, Session(_path(packet), bytearray(old), writing=True))
+        self.files.write(_path(packet), old)
         return _reply(packet, struct.pack("<I", len(old)), session=number)
 
-    def _write(self, packet: Packet, to: Address) -> Packet:
+    def _write(self, packet: FTP_OP, to: Address) -> FTP_OP:
         session = self._session(packet)
         if not session.writing:
             raise FtpError(mavlink.MAV_FTP_ERR_FILEPROTECTED)
@@ -284,36 +250,36 @@ class Ftp(Service):
             raise FtpError(mavlink.MAV_FTP_ERR_FAIL)
         if len(session.data) < end:
             session.data.extend(bytes(end - len(session.data)))
-        session.data[packet.offset : end] = packet.data[: packet.size]
+        session.data[packet.offset : end] = packet.payload or b""
         return _reply(packet)
 
-    def _remove(self, packet: Packet, to: Address) -> Packet:
-        return self._done(packet, self.files.remove(packet.text))
-
-    def _make_folder(self, packet: Packet, to: Address) -> Packet:
-        if self.files.exists(packet.text):
+    def _make_folder(self, packet: FTP_OP, to: Address) -> FTP_OP | None:
+        if self.files.exists(_path(packet)):
             raise FtpError(mavlink.MAV_FTP_ERR_FILEEXISTS)
-        return self._done(packet, self.files.make_folder(packet.text))
+        return self._changed(self.files.make_folder)(packet, to)
 
-    def _remove_folder(self, packet: Packet, to: Address) -> Packet:
-        return self._done(packet, self.files.remove_folder(packet.text))
+    def _changed(self, change: Callable[[str], bool]) -> Operation:
+        """The operation that does `change` to a path, which says whether that was possible."""
 
-    def _done(self, packet: Packet, possible: bool) -> Packet:
-        if not possible:
-            exists = self.files.exists(packet.text)
-            error = mavlink.MAV_FTP_ERR_FAIL if exists else mavlink.MAV_FTP_ERR_FILENOTFOUND
-            raise FtpError(error)
-        return _reply(packet)
+        def operation(packet: FTP_OP, to: Address) -> FTP_OP:
+            path = _path(packet)
+            if not change(path):
+                exists = self.files.exists(path)
+                error = mavlink.MAV_FTP_ERR_FAIL if exists else mavlink.MAV_FTP_ERR_FILENOTFOUND
+                raise FtpError(error)
+            return _reply(packet)
 
-    def _truncate(self, packet: Packet, to: Address) -> Packet:
-        data = _found(self.files.contents.get("/" + packet.text.strip("/")))
+        return operation
+
+    def _truncate(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        data = _found(self.files.contents.get("/" + _path(packet).strip("/")))
         if packet.offset > MAX_FILE:
             raise FtpError(mavlink.MAV_FTP_ERR_FAIL)
-        self.files.write(packet.text, data[: packet.offset].ljust(packet.offset, b"\0"))
+        self.files.write(_path(packet), data[: packet.offset].ljust(packet.offset, b"\0"))
         return _reply(packet)
 
-    def _rename(self, packet: Packet, to: Address) -> Packet:
-        old, _, new = packet.data[: packet.size].decode("utf-8", "replace").partition("\0")
+    def _rename(self, packet: FTP_OP, to: Address) -> FTP_OP:
+        old, _, new = _text(packet).partition("\0")
         data = _found(self.files.contents.get("/" + old.strip("/")))
         new = new.rstrip("\0")
         if self.files.exists(new) or not self.files.writable(new):
@@ -323,6 +289,14 @@ class Ftp(Service):
         return _reply(packet)
 
 
+def _text(packet: FTP_OP) -> str:
+    return bytes(packet.payload or b"").decode("utf-8", "replace")
+
+
+def _path(packet: FTP_OP) -> str:
+    return _text(packet).partition("\0")[0]
+
+
 def _found(data: T | None) -> T:
     if data is None:
         raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
@@ -330,11 +304,11 @@ def _found(data: T | None) -> T:
 
 
 def _reply(
-    packet: Packet, data: bytes = b"", opcode: int = ACK, session: int | None = None
-) -> Packet:
+    packet: FTP_OP, data: bytes = b"", opcode: int = ACK, session: int | None = None
+) -> FTP_OP:
     """The answer to a request: the next sequence number, and whose answer it is."""
-    number = packet.session if session is None else session
-    return Packet(packet.seq + 1, number, opcode, len(data), packet.opcode, 0, packet.offset, data)
+    head = packet.seq + 1 & 0xFFFF, packet.session if session is None else session
+    return FTP_OP(*head, opcode, len(data), packet.opcode, 0, packet.offset, data)
 
 
 def _crc32(data: bytes) -> int:

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from mavwire._ftp.channel import padded, unpacked
 from mavwire._ftp.wire import MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.mavftp_op import FTP_OP
 from mavwire.sim import Vehicle
-from mavwire.sim.ftp import Packet
 from unit.sim_tools import Station
 
 ACK, NAK = mavlink.MAV_FTP_OPCODE_ACK, mavlink.MAV_FTP_OPCODE_NAK
@@ -38,30 +39,30 @@ class Client(Station):
     def ask(
         self, opcode: int, data: bytes = b"", size: int | None = None, offset: int = 0,
         session: int = 0, dt: float = 0.0,
-    ) -> list[Packet]:  # fmt: skip
+    ) -> list[FTP_OP]:  # fmt: skip
         """A request; the packets that answer it."""
         length = len(data) if size is None else size
-        packet = Packet(self.seq, session, opcode, length, 0, 0, offset, data)
+        packet = FTP_OP(self.seq, session, opcode, length, 0, 0, offset, data)
         self.seq += 2
         return self.transfer(packet, dt)
 
-    def transfer(self, packet: Packet, dt: float = 0.0) -> list[Packet]:
+    def transfer(self, packet: FTP_OP, dt: float = 0.0) -> list[FTP_OP]:
         """The same with a packet of one's own."""
-        msg = mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, packet.payload())
+        msg = mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, padded(packet))
         found = [m for m in self.send(msg, dt) if m.get_type() == "FILE_TRANSFER_PROTOCOL"]
-        return [Packet.parse(bytes(m.payload)) for m in found]
+        return [unpacked(bytes(m.payload)) for m in found]
 
-    def done(self, opcode: int, *args: Any, **kw: Any) -> Packet:
+    def done(self, opcode: int, *args: Any, **kw: Any) -> FTP_OP:
         """A request that is answered once and well."""
         (answer,) = self.ask(opcode, *args, **kw)
-        assert (answer.opcode, answer.request) == (ACK, opcode), answer.data[:1]
+        assert (answer.opcode, answer.req_opcode) == (ACK, opcode), answer.payload[:1]
         return answer
 
     def error(self, opcode: int, *args: Any, **kw: Any) -> int:
         """A request that is refused; why."""
         (answer,) = self.ask(opcode, *args, **kw)
-        assert (answer.opcode, answer.request, answer.size) == (NAK, opcode, 1)
-        return answer.data[0]
+        assert (answer.opcode, answer.req_opcode, answer.size) == (NAK, opcode, 1)
+        return answer.payload[0]
 
 
 @pytest.fixture
@@ -70,8 +71,8 @@ def client() -> Client:
 
 
 def test_answers_have_the_next_number_and_name_the_request(client: Client) -> None:
-    (answer,) = client.transfer(Packet(65535, 0, LIST, 1, 0, 0, 0, b"/"))
-    assert (answer.seq, answer.request) == (0, LIST)
+    (answer,) = client.transfer(FTP_OP(65535, 0, LIST, 1, 0, 0, 0, b"/"))
+    assert (answer.seq, answer.req_opcode) == (0, LIST)
 
 
 def entries(client: Client, path: bytes) -> Iterator[bytes]:
@@ -79,9 +80,9 @@ def entries(client: Client, path: bytes) -> Iterator[bytes]:
     while True:
         (answer,) = client.ask(LIST, path, offset=offset)
         if answer.opcode == NAK:
-            assert answer.data[0] == mavlink.MAV_FTP_ERR_EOF
+            assert answer.payload[0] == mavlink.MAV_FTP_ERR_EOF
             return
-        found = answer.data[: answer.size].split(b"\0")[:-1]
+        found = answer.payload[: answer.size].split(b"\0")[:-1]
         offset += len(found)
         yield from found
 
@@ -97,10 +98,10 @@ def test_folders_are_listed_in_portions(client: Client) -> None:
 
 def test_a_file_is_read_in_any_order(client: Client) -> None:
     opened = client.done(OPEN, b"/data.bin")
-    assert struct.unpack("<I", opened.data[:4])[0] == len(CONTENT)
+    assert struct.unpack("<I", opened.payload[:4])[0] == len(CONTENT)
     for offset, size in ((1900, 239), (0, 100), (500, 239)):
         answer = client.done(READ, size=size, offset=offset, session=opened.session)
-        assert answer.data[: answer.size] == CONTENT[offset : offset + size]
+        assert answer.payload[: answer.size] == CONTENT[offset : offset + size]
     assert (
         client.error(READ, size=10, offset=2000, session=opened.session) == mavlink.MAV_FTP_ERR_EOF
     )
@@ -114,7 +115,7 @@ def test_a_burst_brings_the_file(client: Client, size: int) -> None:
     packets = client.ask(BURST, size=size, session=session, dt=0.5)
     step = size or MAX_PAYLOAD
     assert [p.offset for p in packets] == list(range(0, len(CONTENT), step))
-    assert b"".join(p.data[: p.size] for p in packets) == CONTENT
+    assert b"".join(p.payload[: p.size] for p in packets) == CONTENT
     assert [p.burst_complete for p in packets] == [0] * (len(packets) - 1) + [1]
     assert [p.seq for p in packets] == list(range(packets[0].seq, packets[0].seq + len(packets)))
     assert client.error(BURST, session=session, offset=2000) == mavlink.MAV_FTP_ERR_EOF
@@ -124,14 +125,14 @@ def test_a_burst_goes_on_where_it_is_asked_to(client: Client) -> None:
     session = client.done(OPEN, b"/data.bin").session
     client.ask(BURST, session=session)
     (last,) = client.ask(BURST, session=session, offset=1912, dt=0.2)
-    assert (last.data[: last.size], last.burst_complete) == (CONTENT[1912:], 1)
+    assert (last.payload[: last.size], last.burst_complete) == (CONTENT[1912:], 1)
 
 
 def test_a_session_has_one_burst_whoever_asks(client: Client) -> None:
     """Senders are as many as addresses are made up; what they get a tick must not be."""
     client.sim.ftp.files.write("/data.bin", CONTENT * 100)
     opened = client.done(OPEN, b"/data.bin")
-    ask = Packet(9, opened.session, BURST, 10, 0, 0, 0, b"").payload()
+    ask = padded(FTP_OP(9, opened.session, BURST, 10, 0, 0, 0, b""))
     frames = b""
     for number in range(200):
         strange = mavlink.MAVLink(None, srcSystem=1 + number, srcComponent=7)
@@ -151,14 +152,14 @@ def test_a_burst_that_is_closed_stops(client: Client) -> None:
 def test_the_checksum_is_that_of_the_protocol(client: Client) -> None:
     answer = client.done(CRC, b"/data.bin")
     expected = zlib.crc32(CONTENT, 0xFFFFFFFF) ^ 0xFFFFFFFF
-    assert struct.unpack("<I", answer.data[:4])[0] == expected
+    assert struct.unpack("<I", answer.payload[:4])[0] == expected
     assert client.error(CRC, b"/missing") == mavlink.MAV_FTP_ERR_FILENOTFOUND
 
 
 def test_a_repeated_request_gets_the_same_answer(client: Client) -> None:
-    request = Packet(10, 0, OPEN, 9, 0, 0, 0, b"/data.bin")
+    request = FTP_OP(10, 0, OPEN, 9, 0, 0, 0, b"/data.bin")
     first, second = client.transfer(request), client.transfer(request)
-    assert first == second
+    assert list(map(vars, first)) == list(map(vars, second))
     assert client.done(OPEN, b"/data.bin").session != first[0].session
 
 
@@ -175,7 +176,7 @@ def test_an_ardupilot_takes_the_client_s_session() -> None:
     assert client.done(OPEN, b"/data.bin", session=77).session == 77
     assert client.done(OPEN, b"/APM/scripts/readme.txt", session=77).session == 77
     answer = client.done(READ, size=7, session=77)
-    assert answer.data[: answer.size] == b"Scripts"
+    assert answer.payload[: answer.size] == b"Scripts"
 
 
 def test_files_are_written_cut_renamed_and_removed(client: Client) -> None:
@@ -252,7 +253,7 @@ def unpack(data: bytes) -> dict[str, tuple[int, float, float | None]]:
 def fetch(client: Client, path: bytes, size: int) -> bytes:
     session = client.done(OPEN, path, session=3).session
     packets = client.ask(BURST, size=size, session=session, dt=1.0)
-    return b"".join(p.data[: p.size] for p in packets)
+    return b"".join(p.payload[: p.size] for p in packets)
 
 
 @pytest.mark.parametrize("size", [80, 110, 239])
