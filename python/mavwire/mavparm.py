@@ -20,6 +20,7 @@ from mavwire._parameter_file import (
     number_of,
     read_parameter_file,
 )
+from mavwire.links.param_bytes import INTEGERS
 
 
 class _Mavparm(ReplaceableModule):
@@ -30,16 +31,6 @@ make_replaceable(sys.modules[__name__], _Mavparm)
 
 MAVParmFileError = _parameter_file.MAVParmFileError
 TRY_SECONDS = 1.0
-
-# How integers travel in a parameter's float: right-aligned in four bytes, the highest byte first.
-_PACKING = {
-    mavutil.mavlink.MAV_PARAM_TYPE_UINT8: ">xxxB",
-    mavutil.mavlink.MAV_PARAM_TYPE_INT8: ">xxxb",
-    mavutil.mavlink.MAV_PARAM_TYPE_UINT16: ">xxH",
-    mavutil.mavlink.MAV_PARAM_TYPE_INT16: ">xxh",
-    mavutil.mavlink.MAV_PARAM_TYPE_UINT32: ">I",
-    mavutil.mavlink.MAV_PARAM_TYPE_INT32: ">i",
-}
 
 
 class MAVParmDict(dict[str, Any]):
@@ -205,11 +196,11 @@ def _as_float(value: Any, parm_type: int | None) -> float | None:
     """What PARAM_SET carries; None for a type that it cannot carry."""
     if parm_type is None or parm_type == mavutil.mavlink.MAV_PARAM_TYPE_REAL32:
         return number_of(value) if isinstance(value, str) else float(value)
-    packing = _PACKING.get(parm_type)
+    packing = INTEGERS.get(parm_type)
     if packing is None:
         return None
     whole = int(number_of(value) if isinstance(value, str) else value)
-    result: float = struct.unpack(">f", struct.pack(packing, whole))[0]
+    result: float = struct.unpack("<f", struct.pack(packing, whole))[0]
     return result
 
 

@@ -1,16 +1,12 @@
-"""Parameters of a vehicle: read one, set one, read them all.
-
-PX4 copies the bytes of an integer into the float that travels; ArduPilot converts the number.
-"""
+"""Parameters of a vehicle: read one, set one, read them all."""
 
 from __future__ import annotations
 
 import math
-import struct
 from typing import Any
 
 from mavwire.links.modes import MAV_AUTOPILOT_PX4
-from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
+from mavwire.links.param_bytes import decoded, encoded, with_value_bytes
 
 from .deadline import deadline_after, is_over
 from .errors import ParameterError
@@ -18,32 +14,6 @@ from .vehicle import RETRIES, TIMEOUT, Vehicle
 
 # Parameters that are asked for again at a time, when some of the list did not arrive.
 REQUESTS_AT_ONCE = 20
-
-
-def decoded(msg: Any, bytewise: bool) -> float:
-    """The value of a PARAM_VALUE."""
-    layout = INTEGERS.get(msg.param_type)
-    if layout is not None and bytewise:
-        value: int = struct.unpack(layout, value_bytes(msg))[0]
-        return value
-    number = float(msg.param_value)
-    # A vehicle that copies bytes without our knowing sends what is no number.
-    return int(number) if layout is not None and math.isfinite(number) else number
-
-
-def encoded(value: float, param_type: int, bytewise: bool) -> bytes:
-    """The four bytes that travel for a value. ValueError for one that the type cannot hold."""
-    layout = INTEGERS.get(param_type)
-    try:
-        if layout is None:
-            return struct.pack("<f", value)
-        number = int(value)
-        if number != value:
-            raise ValueError("an integer is wanted")
-        packed = struct.pack(layout, number)
-    except (struct.error, OverflowError, ValueError) as error:
-        raise ValueError(f"{value} does not fit a parameter of type {param_type}") from error
-    return packed if bytewise else struct.pack("<f", number)
 
 
 def _is_same(kept: float, value: float, bytewise: bool) -> bool:

@@ -1,8 +1,8 @@
 """The four bytes of a parameter's value, as they travel.
 
-PX4 puts the bytes of an integer where the messages have a float. Those of some integers, -5,000,000 for
-one, are a signalling NaN, which a processor changes as soon as it makes a double of it. So they are
-taken from the frame here, and put into it, as bytes.
+ArduPilot converts an integer to the float of the messages. PX4 copies its bytes into the float. The bytes of
+some integers, -5,000,000 for one, are a signalling NaN. A processor changes it as soon as it makes a double
+of it. So the bytes are taken from the frame here, and put into it.
 """
 
 from __future__ import annotations
@@ -28,6 +28,32 @@ def value_bytes(msg: Any) -> bytes:
         if frame:
             return _payload(frame)[:4]
     return struct.pack("<f", msg.param_value)
+
+
+def decoded(msg: Any, bytewise: bool) -> float:
+    """The value of a PARAM_VALUE."""
+    layout = INTEGERS.get(msg.param_type)
+    if layout is not None and bytewise:
+        value: int = struct.unpack(layout, value_bytes(msg))[0]
+        return value
+    number = float(msg.param_value)
+    # A vehicle that copies bytes without our knowing sends what is no number.
+    return int(number) if layout is not None and math.isfinite(number) else number
+
+
+def encoded(value: float, param_type: int, bytewise: bool) -> bytes:
+    """The four bytes that travel for a value. ValueError for one that the type cannot hold."""
+    layout = INTEGERS.get(param_type)
+    try:
+        if layout is None:
+            return struct.pack("<f", value)
+        number = int(value)
+        if number != value:
+            raise ValueError("an integer is wanted")
+        packed = struct.pack(layout, number)
+    except (struct.error, OverflowError, ValueError) as error:
+        raise ValueError(f"{value} does not fit a parameter of type {param_type}") from error
+    return packed if bytewise else struct.pack("<f", number)
 
 
 def with_value_bytes(msg: Any, data: bytes, mav_class: Any) -> Any:

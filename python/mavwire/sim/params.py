@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
+from mavwire.links.param_bytes import decoded, encoded, with_value_bytes
 
 from .personality.base import Param
 from .service import Handler, Service
@@ -31,20 +31,6 @@ _RANGES = {
 
 
 FLOAT_MAX: float = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
-
-
-def to_wire(value: float, kind: int, bytewise: bool) -> bytes:
-    """The four bytes that carry a value of MAV_PARAM_TYPE `kind`."""
-    if bytewise and kind in INTEGERS:
-        return struct.pack(INTEGERS[kind], int(value))
-    return struct.pack("<f", value)
-
-
-def from_wire(msg: Any, kind: int, bytewise: bool) -> float:
-    """The value that a PARAM_SET carries."""
-    if bytewise and kind in INTEGERS:
-        return float(struct.unpack(INTEGERS[kind], value_bytes(msg))[0])
-    return float(msg.param_value)
 
 
 def as_float32(value: float) -> float:
@@ -162,7 +148,7 @@ class Parameters(Service, Mapping[str, float]):
             self._send(name, listed=True)
             return
         try:
-            self[name] = from_wire(msg, kind, self._bytewise)
+            self[name] = float(decoded(msg, True) if self._bytewise else msg.param_value)
         except ValueError:
             self._send(name, listed=True)
 
@@ -175,7 +161,7 @@ class Parameters(Service, Mapping[str, float]):
 
     def _send_value(self, name: str, value: float, kind: int, index: int) -> None:
         msg = mavlink.MAVLink_param_value_message(name.encode(), 0.0, kind, len(self), index)
-        data = to_wire(value, kind, self._bytewise)
+        data = encoded(value, kind, self._bytewise)
         self.vehicle.send(with_value_bytes(msg, data, mavlink.MAVLink))
 
     def _send_hash(self) -> None:
@@ -183,6 +169,6 @@ class Parameters(Service, Mapping[str, float]):
         crc = 0
         for param in self._table:
             value = self._values[param.name]
-            data = to_wire(value, param.type, True)
+            data = encoded(value, param.type, True)
             crc = zlib.crc32(param.name.encode() + data, crc)
         self._send_value(HASH, crc, mavlink.MAV_PARAM_TYPE_UINT32, UNLISTED)
