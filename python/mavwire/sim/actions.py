@@ -35,17 +35,12 @@ def _arm(vehicle: Vehicle, command: Command) -> int | None:
 
 
 def _take_off(vehicle: Vehicle, command: Command) -> None:
-    if math.isfinite(command.z) and command.z:
-        vehicle.autopilot.take_off(destination(vehicle, command).up)
-    else:
-        vehicle.autopilot.take_off(None)
+    has_height = math.isfinite(command.z) and command.z
+    vehicle.autopilot.take_off(destination(vehicle, command).up if has_height else None)
 
 
 def _enter(role: Role) -> Action:
-    def enter(vehicle: Vehicle, command: Command) -> None:
-        vehicle.autopilot.set_role(role)
-
-    return enter
+    return lambda vehicle, command: vehicle.autopilot.set_role(role)
 
 
 def _set_mode(vehicle: Vehicle, command: Command) -> int | None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .geo import Local, Place
+from .geo import Local, Place, turned
 from .mission_flight import FlyMission
 from .personality.base import Mode, Personality, Role
 from .physics import REST, Copter
@@ -49,7 +49,7 @@ class Autopilot:
         self.armed = False
         self.home: Place | None = None
         self.terminated = False
-        self.sticks = Sticks(self.copter)
+        self.sticks: Sticks = Sticks(self.copter)
         self.task: Task = Task()
         self.setpoint_age = math.inf
         self._idle = 0.0
@@ -183,7 +183,7 @@ class Autopilot:
         self._start_task()
         if setpoint is not None and self.vehicle.guided.last is not None:
             self.task = self.vehicle.guided.last
-        self.vehicle.state_changed()
+        self.vehicle.streams.send("HEARTBEAT")
 
     def _start_task(self) -> None:
         self.task = _TASKS[self.mode.role](self)
@@ -198,32 +198,20 @@ class Autopilot:
             Local(copter.north + copter.vn * ahead, copter.east + copter.ve * ahead, copter.up)
         )
 
-    def _manual(self) -> Task:
-        return self.sticks
-
     def _mission(self) -> Task:
         mission = FlyMission(self, self.mission)
         mission.waiting = self.copter.landed and self.personality.mission_waits(self)
         return mission
 
-    def _return(self) -> Task:
-        return Return(self.home_local, self.copter, self.tuning)
-
-    def _land(self) -> Task:
-        return Land(Local(self.copter.north, self.copter.east, 0.0))
-
     def _take_off(self) -> Task:
-        copter = self.copter
+        here = self.copter.local
         up = self.home_local.up + self.tuning.takeoff_height
-        return Takeoff(Local(copter.north, copter.east, max(up, copter.up)))
+        return Takeoff(here._replace(up=max(up, here.up)))
 
     def _circle(self) -> Task:
-        yaw, copter = self.copter.yaw, self.copter
-        centre = Local(
-            copter.north + CIRCLE_RADIUS * math.cos(yaw),
-            copter.east + CIRCLE_RADIUS * math.sin(yaw),
-            copter.up,
-        )
+        north, east = turned(CIRCLE_RADIUS, 0.0, self.copter.yaw)
+        here = self.copter.local
+        centre = Local(here.north + north, here.east + east, here.up)
         return Orbit(centre, CIRCLE_RADIUS, CIRCLE_SPEED)
 
     # -- arming
@@ -244,7 +232,7 @@ class Autopilot:
             self.set_home(None)
         self._start_task()
         self.vehicle.say("armed")
-        self.vehicle.state_changed()
+        self.vehicle.streams.send("HEARTBEAT")
 
     def disarm(self, force: bool = False, reason: str = "disarmed") -> None:
         """Stop the motors; RefusedError in the air unless forced."""
@@ -254,7 +242,7 @@ class Autopilot:
             raise RefusedError(self.vehicle.phrase("disarm_flying"))
         self.armed = False
         self.vehicle.say(reason)
-        self.vehicle.state_changed()
+        self.vehicle.streams.send("HEARTBEAT")
         role = self.personality.after_disarming(self.mode.role)
         if role is not None:
             self._enter(self.personality.mode_of(role))
@@ -270,7 +258,7 @@ class Autopilot:
         self.home = origin.globe(origin.local(place)) if place else self.copter.place
         if self.personality.first_mission_item == 1:
             self.mission.set_home(self.home)
-        self.vehicle.home_changed()
+        self.vehicle.streams.send("HOME_POSITION")
 
     # -- tasks by command
 
@@ -283,7 +271,7 @@ class Autopilot:
         self.personality.prepare_takeoff(self)
         task = self._take_off()
         if up is not None:
-            task = Takeoff(Local(self.copter.north, self.copter.east, up))
+            task = Takeoff(self.copter.local._replace(up=up))
         self.task = task
 
     def go_to(self, target: Local, speed: float | None = None, yaw: float | None = None) -> None:
@@ -310,7 +298,7 @@ class Autopilot:
         self.mission.complete = False
         if isinstance(self.task, FlyMission):
             self.task.restart()
-        self.vehicle.mission_current_changed()
+        self.vehicle.streams.send("MISSION_CURRENT")
 
     def mission_changed(self) -> None:
         """There is a new mission: one that is being flown starts anew."""
@@ -319,13 +307,13 @@ class Autopilot:
 
 
 _TASKS: dict[Role, Callable[[Autopilot], Task]] = {
-    Role.MANUAL: Autopilot._manual,
+    Role.MANUAL: lambda pilot: pilot.sticks,
     Role.HOLD: Autopilot._stay,
     Role.GUIDED: Autopilot._stay,
     Role.OFFBOARD: Autopilot._stay,
     Role.MISSION: Autopilot._mission,
-    Role.RETURN: Autopilot._return,
-    Role.LAND: Autopilot._land,
+    Role.RETURN: lambda pilot: Return(pilot.home_local, pilot.copter, pilot.tuning),
+    Role.LAND: lambda pilot: Land(pilot.copter.local._replace(up=0.0)),
     Role.TAKEOFF: Autopilot._take_off,
     Role.CIRCLE: Autopilot._circle,
 }

@@ -87,6 +87,12 @@ def wrap(angle: float) -> float:
     return (angle + math.pi) % math.tau - math.pi
 
 
+def turned(forward: float, right: float, yaw: float) -> tuple[float, float]:
+    """A vector of the vehicle's axes as north and east."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return forward * cos - right * sin, forward * sin + right * cos
+
+
 def distance(a: Local, b: Local) -> float:
     """Horizontal distance in metres."""
     return math.hypot(b.north - a.north, b.east - a.east)

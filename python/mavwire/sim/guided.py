@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire.dialects.v20 import all as mavlink
 
-from .geo import Local, Place, within_world
+from .geo import Local, Place, turned, within_world
 from .personality.base import Role
 from .physics import Demand
 from .plans import GLOBAL, RELATIVE
@@ -66,7 +66,7 @@ class Guided(Service):
         copter = self.vehicle.copter
         north, east = msg.x, msg.y
         if msg.coordinate_frame in BODY:
-            north, east = _turned(msg.x, msg.y, copter.yaw)
+            north, east = turned(msg.x, msg.y, copter.yaw)
         up = -msg.z
         if msg.coordinate_frame in OFFSET:
             north, east, up = copter.north + north, copter.east + east, copter.up + up
@@ -94,7 +94,7 @@ class Guided(Service):
         elif mask & VELOCITY_IGNORED != VELOCITY_IGNORED:
             north, east = msg.vx, msg.vy
             if msg.coordinate_frame in BODY:
-                north, east = _turned(msg.vx, msg.vy, self.vehicle.copter.yaw)
+                north, east = turned(msg.vx, msg.vy, self.vehicle.copter.yaw)
             rate = None if mask & YAW_RATE_IGNORED else msg.yaw_rate
             hold = target.up if mask & CLIMB_IGNORED else None
             task = Velocity(Demand(north, east, -msg.vz, yaw, rate), hold)
@@ -136,9 +136,3 @@ class Guided(Service):
         pilot.sticks.move(roll, pitch, throttle, yaw)
         if pilot.mode.role is Role.MISSION and throttle > 0 and pilot.armed:
             pilot.start_mission()
-
-
-def _turned(forward: float, right: float, yaw: float) -> tuple[float, float]:
-    """A vector of the vehicle's axes as north and east."""
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return forward * cos - right * sin, forward * sin + right * cos

@@ -74,7 +74,7 @@ class FlyMission(Task):
         if self.waiting:
             return REST
         if self._leg is None and not self.done:
-            self._next(copter, tuning)
+            self._next(copter)
         leg = self._leg
         if leg is None:
             return REST if copter.landed else Demand()
@@ -83,13 +83,10 @@ class FlyMission(Task):
             self._autopilot.vehicle.mission_reached(self._plan.current)
             self._last = leg.task.target if isinstance(leg.task, Goto | Takeoff) else None
             self._leg = None
-            self._advance()
+            self._plan.current += 1
         return demand
 
-    def _advance(self) -> None:
-        self._plan.current += 1
-
-    def _next(self, copter: Copter, tuning: Tuning) -> None:
+    def _next(self, copter: Copter) -> None:
         """Begin the current item; items that only do something are passed."""
         for _ in range(MAX_PASSED):
             if self._plan.current >= len(self._plan):
@@ -97,8 +94,8 @@ class FlyMission(Task):
             item = self._plan.items[self._plan.current]
             starter = _LEGS.get(item.command)
             if starter is not None:
-                self._leg = starter(self, item, copter, tuning)
-                self._autopilot.vehicle.mission_current_changed()
+                self._leg = starter(self, item)
+                self._autopilot.vehicle.streams.send("MISSION_CURRENT")
                 return
             self._pass(item)
         self._finish(copter)
@@ -123,7 +120,7 @@ class FlyMission(Task):
             self._speed = item.param2 if item.param2 > 0 else None
         elif item.command == mavlink.MAV_CMD_DO_SET_HOME:
             self._autopilot.set_home(None if item.param1 == 1 else self._place(item))
-        self._advance()
+        self._plan.current += 1
 
     def _place(self, item: Item) -> Place:
         autopilot = self._autopilot
@@ -134,36 +131,29 @@ class FlyMission(Task):
 
     # -- items that take time
 
-    def _goto(self, item: Item, copter: Copter, tuning: Tuning, wait: float | None) -> Leg:
+    def _goto(self, item: Item, wait: float | None) -> Leg:
         yaw = None
         if self._autopilot.personality.waypoint_yaw and math.isfinite(item.param4):
             yaw = math.radians(item.param4)
         return Leg(Goto(self._local(item), self._speed, yaw, lift=True), wait)
 
-    def _waypoint(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        return self._goto(item, copter, tuning, _seconds(item.param1))
+    def _waypoint(self, item: Item) -> Leg:
+        return self._goto(item, _seconds(item.param1))
 
-    def _loiter(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        return self._goto(item, copter, tuning, None)
-
-    def _turns(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
+    def _turns(self, item: Item) -> Leg:
         radius = item.param3 or DEFAULT_RADIUS
-        speed = self._speed or tuning.cruise_speed
+        speed = self._speed or self._autopilot.tuning.cruise_speed
         return Leg(Orbit(self._local(item), radius, speed, item.param1 or 1.0))
 
-    def _take_off(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        here = copter.local
-        return Leg(Takeoff(Local(here.north, here.east, self._local(item).up)))
+    def _take_off(self, item: Item) -> Leg:
+        return Leg(Takeoff(self._autopilot.copter.local._replace(up=self._local(item).up)))
 
-    def _land(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        target = self._local(item)
-        return Leg(Land(Local(target.north, target.east, 0.0)))
+    def _return(self, item: Item) -> Leg:
+        pilot = self._autopilot
+        return Leg(Return(pilot.home_local, pilot.copter, pilot.tuning))
 
-    def _return(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        return Leg(Return(self._autopilot.home_local, copter, tuning))
-
-    def _delay(self, item: Item, copter: Copter, tuning: Tuning) -> Leg:
-        hold = Hold(copter.local)
+    def _delay(self, item: Item) -> Leg:
+        hold = Hold(self._autopilot.copter.local)
         hold.done = True
         return Leg(hold, _seconds(item.param1))
 
@@ -173,14 +163,16 @@ def _seconds(value: float) -> float:
     return value if 0 < value < math.inf else 0.0
 
 
-_LEGS: dict[int, Callable[[FlyMission, Item, Copter, Tuning], Leg]] = {
+_LEGS: dict[int, Callable[[FlyMission, Item], Leg]] = {
     mavlink.MAV_CMD_NAV_WAYPOINT: FlyMission._waypoint,
     mavlink.MAV_CMD_NAV_SPLINE_WAYPOINT: FlyMission._waypoint,
     mavlink.MAV_CMD_NAV_LOITER_TIME: FlyMission._waypoint,
-    mavlink.MAV_CMD_NAV_LOITER_UNLIM: FlyMission._loiter,
+    mavlink.MAV_CMD_NAV_LOITER_UNLIM: lambda mission, item: mission._goto(item, None),
     mavlink.MAV_CMD_NAV_LOITER_TURNS: FlyMission._turns,
     mavlink.MAV_CMD_NAV_TAKEOFF: FlyMission._take_off,
-    mavlink.MAV_CMD_NAV_LAND: FlyMission._land,
+    mavlink.MAV_CMD_NAV_LAND: lambda mission, item: Leg(
+        Land(mission._local(item)._replace(up=0.0))
+    ),
     mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: FlyMission._return,
     mavlink.MAV_CMD_NAV_DELAY: FlyMission._delay,
     mavlink.MAV_CMD_CONDITION_DELAY: FlyMission._delay,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from .geo import Local, bearing, distance, wrap
+from .geo import Local, bearing, distance, turned, wrap
 from .physics import REST, Copter, Demand
 from .steering import POSITION_GAIN, Tuning, approach, arrived, climb_to, fly_to
 
@@ -72,7 +72,7 @@ class Goto(Task):
         if copter.landed:
             if not self.lift or self.target.up <= copter.up:
                 return REST
-            self._takeoff = Takeoff(Local(copter.north, copter.east, self.target.up))
+            self._takeoff = Takeoff(copter.local._replace(up=self.target.up))
         if self._takeoff is not None and not self._takeoff.done:
             return self._takeoff.demand(copter, tuning, dt)
         self.done = arrived(copter, self.target, tuning.arrival_radius)
@@ -123,8 +123,8 @@ class Return(Task):
 
     def __init__(self, home: Local, copter: Copter, tuning: Tuning) -> None:
         up = max(copter.up, home.up + tuning.return_height)
-        self.target: Local = Local(home.north, home.east, up)
-        self._climbing = Hold(Local(copter.north, copter.east, up))
+        self.target: Local = home._replace(up=up)
+        self._climbing = Hold(copter.local._replace(up=up))
         self._land = Land(home)
         self._loiter = tuning.return_loiter
         self._landing = False
@@ -233,12 +233,6 @@ class Sticks(Task):
         self._hold = Hold(copter.local)
         if copter.landed and self.throttle <= 0:
             return REST
-        forward, right = -self.pitch * STICK_SPEED, self.roll * STICK_SPEED
-        cos, sin = math.cos(copter.yaw), math.sin(copter.yaw)
+        north, east = turned(-self.pitch * STICK_SPEED, self.roll * STICK_SPEED, copter.yaw)
         climb = tuning.climb_speed if self.throttle > 0 else tuning.descent_speed
-        return Demand(
-            north=forward * cos - right * sin,
-            east=forward * sin + right * cos,
-            up=self.throttle * climb,
-            yaw_rate=self.yaw * STICK_YAW_RATE,
-        )
+        return Demand(north, east, self.throttle * climb, yaw_rate=self.yaw * STICK_YAW_RATE)

@@ -313,19 +313,11 @@ class Vehicle:
         self.personality.tuning(self.params.value, self.tuning)
         self.battery.capacity = self.tuning.battery_capacity
 
-    def state_changed(self) -> None:
-        """A heartbeat tells at once, as autopilots do."""
-        self.streams.send("HEARTBEAT")
-
     def position_found(self) -> None:
         """It knows where it is: it may fly."""
         self.say("position_ok")
         if self.when_ready is not None:
             self.when_ready(self)
-
-    def home_changed(self) -> None:
-        """There is another home."""
-        self.streams.send("HOME_POSITION")
 
     def mission_changed(self) -> None:
         """There is another mission."""
@@ -339,10 +331,6 @@ class Vehicle:
         """A mission item was done."""
         self.send(mavlink.MAVLink_mission_item_reached_message(seq))
         self.say("mission_reached", seq=seq)
-
-    def mission_current_changed(self) -> None:
-        """Another mission item is flown."""
-        self.streams.send("MISSION_CURRENT")
 
     def reboot(self) -> None:
         """Switch off and on again: where it is becomes where it starts; parameters stay."""
