@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.mavfile import FLUSH_INTERVAL, mavfile
+from mavwire.links.mavfile import mavfile
 from mavwire.links.signing import prepared
 from mavwire.links.tlog import mavlogfile
 
@@ -291,7 +291,6 @@ class _Live:
         self._connected_at = 0.0
         self._received = 0
         self._look_timer: asyncio.TimerHandle | None = None
-        self._flush_timer: asyncio.TimerHandle | None = None
         if self._transport.is_there():
             self._begin()
         else:
@@ -304,10 +303,8 @@ class _Live:
         self.pump.stop()
         self.outgoing.stop()
         self._transport.stop()
-        for timer in (self._look_timer, self._flush_timer):
-            if timer is not None:
-                timer.cancel()
-        self._sync._flush_logs_now()
+        if self._look_timer is not None:
+            self._look_timer.cancel()
         await self._reconnecting.stop()
 
     def _begin(self) -> None:
@@ -325,17 +322,8 @@ class _Live:
         self._transport.look()
         self._follow()
 
-    def _flush_later(self) -> None:
-        if self._flush_timer is None and (self._sync.logfile or self._sync.logfile_raw):
-            self._flush_timer = self._loop.call_later(FLUSH_INTERVAL, self._flush)
-
-    def _flush(self) -> None:
-        self._flush_timer = None
-        self._sync._flush_logs()
-
     def _turned(self, error: Exception | None) -> None:
         """Reading is over for now; the link may have another descriptor, or none."""
-        self._flush_later()
         self.outgoing.follow()
         if error is not None:
             self._failed(error)

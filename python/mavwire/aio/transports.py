@@ -69,7 +69,7 @@ class OneClientServer(Transport):
         sync.waits_for_descriptors = False  # the loop does
 
     def look(self) -> None:
-        self.sync._make_room()
+        self.sync._tend()
 
 
 class DatagramClient(Transport):

@@ -80,15 +80,13 @@ class ChunkedLink(LiveLink, mavfile):
         return self.recv(n)
 
     def close(self) -> None:
-        """Close the link for good. What was recorded reaches the file."""
+        """Close the link for good."""
         self._closed = True
         try:
             self._release()
         except BaseException:  # as a signal handler raises half-way; nobody closes a link twice
             self._release()
             raise
-        finally:
-            self._flush_logs_now()
 
     def _release(self) -> None:
         """Let go of what the transport holds, if it does; `fd` is None then."""
@@ -96,8 +94,6 @@ class ChunkedLink(LiveLink, mavfile):
 
     def _tend(self) -> None:
         """What is to be done about once a second while no message arrives."""
-        if self.logfile or self.logfile_raw:
-            self._flush_logs()
 
     def _check_open(self) -> None:
         """OSError once the link is closed, so that a thread that receives from it ends."""

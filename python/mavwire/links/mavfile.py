@@ -6,7 +6,10 @@ state that every message changes; everything else is here or in the mixins.
 
 from __future__ import annotations
 
+import errno
+import os
 import time
+from io import FileIO
 from time import monotonic
 
 from mavwire._native import Link, MAVLink, instance_dict
@@ -15,7 +18,7 @@ from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
 from .readiness import from_handler, wait_readable
-from .recording import open_recording, recorded
+from .recording import recorded
 from .signing import Signing
 from .target import Target
 from .tracking import Tracking
@@ -35,8 +38,6 @@ MARKER_V2 = 0xFD
 IDLE_INTERVAL = 0.05
 # How long a wait goes without looking whether the link was closed, in seconds.
 WAIT_SLICE = 0.25
-# A crash of the whole process loses at most this many seconds of a recorded log.
-FLUSH_INTERVAL = 1.0
 
 # What a link's MAVLink object keeps when the dialect module under it changes.
 _KEPT_BY_MAV = (
@@ -82,7 +83,6 @@ class mavfile(Link, Target, Tracking, Commands, Signing):
     # Recording failures are counted, not raised. Class attributes, so that `vars()` of a link
     # shows pymavlink's attributes alone until something fails.
     logfile_errors = 0
-    _flushed_at = 0.0
 
     def __init__(
         self,
@@ -228,30 +228,14 @@ class mavfile(Link, Target, Tracking, Commands, Signing):
             self._log(self.logfile, recorded(time.time(), msg.get_msgbuf()))
 
     def _log(self, file: IO[bytes], data: bytes) -> None:
-        """Write to a log and flush it now and then; a failing log never stops reception."""
+        """Write to a log; a failing log never stops reception."""
         try:
-            file.write(data)
+            written = file.write(data)
+            if type(file) is FileIO and written < len(data):  # a full disk: no half a record
+                file.truncate(file.seek(-written, os.SEEK_CUR))
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except (OSError, ValueError) as error:
             self._recording_failed(file, error)
-        else:
-            self._flush_logs()
-
-    def _flush_logs(self) -> None:
-        """Hand what was recorded to the system, if that is due. Called while nothing arrives, too."""
-        now = monotonic()
-        if now - self._flushed_at < FLUSH_INTERVAL:
-            return
-        self._flushed_at = now
-        self._flush_logs_now()
-
-    def _flush_logs_now(self) -> None:
-        """Hand what was recorded to the system."""
-        for file in (self.logfile, self.logfile_raw):
-            try:
-                if file:
-                    file.flush()
-            except (OSError, ValueError) as error:
-                self._recording_failed(file, error)
 
     def _recording_failed(self, file: Any, error: Exception) -> None:
         if type(file).__module__ == "_io" and from_handler(error):
@@ -261,12 +245,15 @@ class mavfile(Link, Target, Tracking, Commands, Signing):
             warn("recording failed: %s", error)
 
     def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
-        """Record received messages to a telemetry log, without signatures and secret keys."""
-        self.logfile = open_recording(logfile, mode)
+        """Record received messages to a telemetry log, without signatures and secret keys.
+
+        Each record is handed to the system at once: the end of the program and a fork lose none.
+        """
+        self.logfile = open(logfile, mode, buffering=0)
 
     def setup_logfile_raw(self, logfile: str, mode: str = "wb") -> None:
         """Record received bytes exactly as they arrived, secrets included."""
-        self.logfile_raw = open_recording(logfile, mode)
+        self.logfile_raw = open(logfile, mode, buffering=0)
 
     def _matches(self, msg: ReceivedMessage, condition: str | None) -> bool:
         """Whether the sender of `msg` is known, and `condition` holds for its newest messages."""

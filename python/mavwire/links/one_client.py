@@ -117,10 +117,6 @@ class OneClientLink(StreamLink):
             warn("%s: a client cannot be served: %s; trying again", self.address, reason)
 
     def _tend(self) -> None:
-        super()._tend()
-        self._make_room()
-
-    def _make_room(self) -> None:
         """Let a client go that says nothing while another one waits."""
         port = self.port
         if port is None:

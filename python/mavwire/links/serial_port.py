@@ -150,7 +150,7 @@ class mavserial(RetryingLink):
         self.port.baudrate = baudrate if isinstance(self.port, FakeSerial) else int(baudrate)
 
     def close(self) -> None:
-        """Close the port for good. What was recorded reaches the file."""
+        """Close the port for good."""
         self.autoreconnect = False
         super().close()
 

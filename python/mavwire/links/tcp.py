@@ -90,7 +90,7 @@ class mavtcp(ReconnectingLink):
         self.port, self.fd = port, port.fileno()
 
     def close(self) -> None:
-        """Close the link for good. What was recorded reaches the file."""
+        """Close the link for good."""
         self.autoreconnect = False
         super().close()
 

@@ -15,7 +15,6 @@ from mavwire._native import LogLink
 
 from .log_file import LogFile, LogPort
 from .mavfile import link_dict, mavfile
-from .recording import open_recording
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -58,9 +57,7 @@ class mavlogfile(LogLink, mavfile):
         self.writeable = write
         self.robust_parsing = robust_parsing
         self.planner_format = planner_format
-        self.f: Any = (
-            open_recording(filename, "ab" if append else "wb") if write else open(filename, "rb")
-        )
+        self.f: Any = open(filename, "ab" if append else "wb") if write else open(filename, "rb")
         self.filesize = os.path.getsize(filename)
         super().__init__(
             None, filename, source_system=source_system, source_component=source_component,
@@ -99,7 +96,6 @@ class mavlogfile(LogLink, mavfile):
         """Close the file."""
         self._close_reader()
         self.f.close()
-        self._flush_logs_now()
 
     def write(self, buf: bytes) -> None:
         """Append a record, timestamp included; a log opened to be read discards and counts it."""

@@ -142,7 +142,8 @@ def shown(value: Any) -> Any:
         return sorted(value)
     if isinstance(value, (list, tuple)):
         return [shown(one) for one in value]
-    return type(value).__name__
+    # A recording is unbuffered in mavwire alone.
+    return "BufferedWriter" if isinstance(value, io.FileIO) else type(value).__name__
 
 
 # Seconds around now that count as now.

@@ -7,14 +7,13 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from mavwire import Bridge, mavutil, open_log, traffic
 from mavwire.links import signing
 from unit.faults import python
-from unit.link_tools import KEY, Capture, drain, heartbeat
+from unit.link_tools import KEY, Capture, heartbeat
 from watchdog import watched
 
 DAY = 86_400
@@ -212,23 +211,6 @@ def test_a_clock_that_steps_disturbs_no_link(
         assert stamps == sorted(set(stamps))
     times = [msg._timestamp for msg in open_log(path)]
     assert [round((one - times[0]) / DAY) for one in times] == [round(one / DAY) for one in steps]
-
-
-def test_a_recording_is_flushed_by_time_that_passes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Not by the clock on the wall, which may go back by a day and would have records wait so long."""
-    clock, passed = Clock(monkeypatch), SimpleNamespace(now=time.monotonic())
-    monkeypatch.setattr("mavwire.links.mavfile.monotonic", lambda: passed.now)
-    link = Capture()
-    link.setup_logfile(str(tmp_path / "flight.tlog"))
-    for seq in range(5):
-        clock.ahead -= DAY
-        passed.now += 1.1
-        link.rx += heartbeat(seq)
-        drain(link)
-    assert (tmp_path / "flight.tlog").stat().st_size == 5 * 29
-    link.logfile.close()
 
 
 def test_signing_begins_behind_a_clock_that_was_wrong(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -136,51 +136,13 @@ def each():
     heartbeat(out)
     assert link.recv_match(blocking=True, timeout=60)
 each()
-each()  # which stays in a buffer for a while
+each()
 def child():
     each()
     link.close()
 def parent():
     child()
     assert os.path.getsize(path + "/recorded") == 4 * 29
-forks(child, parent)
-""",
-    "a recording whose reader forks": r"""
-import select
-os.mkfifo(path + "/fifo")
-end = os.open(path + "/fifo", os.O_RDONLY | os.O_NONBLOCK)
-link, out = udp()
-link.setup_logfile(path + "/fifo")
-threading.Thread(target=link.logfile.write, args=[bytes(1 << 18)], daemon=True).start()
-select.select([end], [], [])  # the thread waits until somebody reads
-def child():
-    link.logfile.write(b"another record")
-def parent():
-    os.set_blocking(end, True)
-    left = 1 << 18
-    while left:
-        left -= len(os.read(end, left))
-forks(child, parent)
-""",
-    "a recording that another thread writes": r"""
-import select
-os.mkfifo(path + "/fifo")
-end = os.open(path + "/fifo", os.O_RDONLY | os.O_NONBLOCK)
-link, out = udp()
-def write():
-    link.logfile.write(bytes(1 << 18))  # more than there is room for
-def before():
-    threading.Thread(target=write, daemon=True).start()
-    select.select([end], [], [])
-os.register_at_fork(before=before)
-link.setup_logfile(path + "/fifo")
-def child():
-    link.logfile.write(b"another record")
-def parent():
-    left = 1 << 18
-    while left:
-        select.select([end], [], [])
-        left -= len(os.read(end, left))
 forks(child, parent)
 """,
 }

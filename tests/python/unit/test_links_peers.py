@@ -289,7 +289,7 @@ def test_a_silent_client_makes_room_for_one_that_waits(clock):
         with socket.create_connection(address):
             first = accepted(link)
             clock.now += 10 * one_client.CLIENT_SILENCE
-            link._make_room()
+            link._tend()
             assert link.port is first  # nobody else wants the place
             with socket.create_connection(address) as second:
                 second.sendall(heartbeat(7))
@@ -305,9 +305,9 @@ def test_a_client_that_sends_messages_stays(clock):
             for seq in range(5):
                 client.sendall(heartbeat(seq))
                 assert receive(link).get_seq() == seq
-                link._make_room()
+                link._tend()
                 clock.now += one_client.CLIENT_SILENCE - 1
-                link._make_room()
+                link._tend()
             assert (link.port, link.clients_replaced) == (first, 0)
             client.sendall(b"no message")  # which does not count
             clock.now += 1
