@@ -6,6 +6,9 @@ defines itself is written once, to `_own/<name>.pyi`; the stub of the module, `<
 that of the dialect and of all it includes, and its `MAVLink` derives from theirs. Both exist for
 each wire protocol, because MAVLink 1 knows neither extension fields nor ids above 255.
 
+The union `upstream` gathers the other dialects as if it included them. Definitions that it has in another form, or not
+at all, are in `_own/<name>_replaced.pyi`, which it does not gather.
+
     tools/generate_stubs.py            # write python/mavwire/dialects/v{10,20}
     tools/generate_stubs.py --check    # exit 1 and name the files that are not up to date
 """
@@ -20,12 +23,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mavwire._native import Dialect, Message, MessageInfo
+from mavwire.dialects import UPSTREAM
 
 ROOT = Path(__file__).resolve().parent.parent
 DIALECTS = ROOT / "python" / "mavwire" / "dialects"
 DEFINITIONS = ROOT / "message_definitions"
 PROTOCOLS = {"v10": "1.0", "v20": "2.0"}
 OWN = "_own"
+REPLACED = "_replaced"
 WIDTH = 110
 NOTE = "Written by tools/generate_stubs.py."
 
@@ -46,7 +51,9 @@ def module_names() -> list[str]:
 
 
 def includes(name: str) -> list[str]:
-    """The dialects that this one names in its definition."""
+    """The dialects that this one names in its definition. The union extends all others."""
+    if name == UPSTREAM:
+        return [one for one in module_names() if one != UPSTREAM]
     (path,) = DEFINITIONS.glob(f"*/{name}.xml")
     root = ET.parse(path).getroot()
     return [Path(one.text or "").stem for one in root.iter("include")]
@@ -173,6 +180,20 @@ def own(whole: Content, parts: list[Content]) -> Content:
     return rest
 
 
+def split(part: Content, union: Content) -> tuple[Content, Content]:
+    """What the union has too, and the rest. A message and its methods stay together."""
+    same, replaced = Content(part.name), Content(part.name + REPLACED)
+    for name, text in part.constants.items():
+        target = same if union.constants.get(name) == text else replaced
+        target.constants[name] = text
+    for name, text in part.messages.items():
+        method = part.methods[name]
+        kept = (union.messages.get(name), union.methods.get(name)) == (text, method)
+        target = same if kept else replaced
+        target.messages[name], target.methods[name] = text, method
+    return same, replaced
+
+
 def own_stub(part: Content) -> str:
     """Text of `_own/<name>.pyi`."""
     lines = [f'"""What dialect {part.name} itself defines. {NOTE}"""', ""]
@@ -194,18 +215,21 @@ def link_bases(name: str) -> list[str]:
     return [one for one in direct if one not in inherited]
 
 
-def module_stub(name: str, version: str) -> str:
-    """Text of `<name>.pyi`."""
+def module_stub(name: str, version: str, parts: list[str]) -> str:
+    """Text of `<name>.pyi`, which gathers the stubs `parts`."""
     package = f"mavwire.dialects.{version}"
     lines = [f'"""Dialect {name} for wire protocol {PROTOCOLS[version]}. {NOTE}"""', ""]
     lines += ["from mavwire.dialects import _dialect", "from mavwire.dialects._dialect import *"]
-    bases = link_bases(name)
+    own = [one for one in parts if one.removesuffix(REPLACED) == name]
+    bases = [] if name == UPSTREAM else link_bases(name)
+    if name == UPSTREAM:  # each `MAVLink` has methods that it replaces
+        own = parts
     lines += [f"from {package} import {one} as _{one}" for one in sorted(bases)]
-    lines += [f"from {package}.{OWN} import {name} as _own_{name}"]
-    lines += [f"from {package}.{OWN}.{one} import *" for one in sorted([name, *ancestors(name)])]
+    lines += [f"from {package}.{OWN} import {one} as _own_{one}" for one in own]
+    lines += [f"from {package}.{OWN}.{one} import *" for one in sorted(parts)]
     links = [f"_{one}.MAVLink" for one in bases] or ["_dialect._Link"]
     lines += ["", "class MAVLink("]
-    lines += [f"    {one}," for one in (f"_own_{name}._Methods", *links)]
+    lines += [f"    {one}," for one in (*(f"_own_{one}._Methods" for one in own), *links)]
     lines += ["): ..."]
     return "\n".join(lines) + "\n"
 
@@ -218,10 +242,19 @@ def render() -> dict[Path, str]:
         folder = DIALECTS / version
         whole = {name: content(name, protocol) for name in names}
         files[folder / OWN / "__init__.pyi"] = f'"""What each dialect itself defines. {NOTE}"""\n'
-        for name in names:
+        parts: dict[str, Content] = {}
+        for name in includes(UPSTREAM):
             part = own(whole[name], [whole[one] for one in ancestors(name)])
-            files[folder / OWN / f"{name}.pyi"] = own_stub(part)
-            files[folder / f"{name}.pyi"] = module_stub(name, version)
+            parts[name], replaced = split(part, whole[UPSTREAM])
+            if replaced.constants or replaced.messages:
+                parts[replaced.name] = replaced
+        parts[UPSTREAM] = own(whole[UPSTREAM], [parts[one] for one in includes(UPSTREAM)])
+        files |= {folder / OWN / f"{part.name}.pyi": own_stub(part) for part in parts.values()}
+        for name in names:
+            gathered = [name, *ancestors(name)]
+            if name != UPSTREAM:
+                gathered += [one + REPLACED for one in gathered if one + REPLACED in parts]
+            files[folder / f"{name}.pyi"] = module_stub(name, version, gathered)
     return files
 
 

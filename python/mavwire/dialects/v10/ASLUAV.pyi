@@ -6,7 +6,9 @@ from mavwire.dialects.v10 import common as _common
 from mavwire.dialects.v10._own import ASLUAV as _own_ASLUAV
 from mavwire.dialects.v10._own.ASLUAV import *
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 
 class MAVLink(

@@ -6,7 +6,9 @@ from mavwire.dialects.v10 import common as _common
 from mavwire.dialects.v10._own import AVSSUAS as _own_AVSSUAS
 from mavwire.dialects.v10._own.AVSSUAS import *
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 
 class MAVLink(

@@ -15,12 +15,14 @@ from mavwire.dialects.v10._own.AVSSUAS import *
 from mavwire.dialects.v10._own.all import *
 from mavwire.dialects.v10._own.ardupilotmega import *
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.csAirLink import *
 from mavwire.dialects.v10._own.cubepilot import *
 from mavwire.dialects.v10._own.development import *
 from mavwire.dialects.v10._own.icarous import *
 from mavwire.dialects.v10._own.loweheiser import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.python_array_test import *
 from mavwire.dialects.v10._own.standard import *
 from mavwire.dialects.v10._own.storm32 import *

@@ -10,11 +10,13 @@ from mavwire.dialects.v10 import uAvionix as _uAvionix
 from mavwire.dialects.v10._own import ardupilotmega as _own_ardupilotmega
 from mavwire.dialects.v10._own.ardupilotmega import *
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.csAirLink import *
 from mavwire.dialects.v10._own.cubepilot import *
 from mavwire.dialects.v10._own.icarous import *
 from mavwire.dialects.v10._own.loweheiser import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 from mavwire.dialects.v10._own.uAvionix import *
 

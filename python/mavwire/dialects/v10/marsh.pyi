@@ -5,8 +5,10 @@ from mavwire.dialects._dialect import *
 from mavwire.dialects.v10 import common as _common
 from mavwire.dialects.v10._own import marsh as _own_marsh
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.marsh import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 
 class MAVLink(

@@ -4,12 +4,17 @@ from mavwire.dialects import _dialect
 from mavwire.dialects._dialect import *
 from mavwire.dialects.v10 import common as _common
 from mavwire.dialects.v10._own import paparazzi as _own_paparazzi
+from mavwire.dialects.v10._own import paparazzi_replaced as _own_paparazzi_replaced
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.paparazzi import *
+from mavwire.dialects.v10._own.paparazzi_replaced import *
 from mavwire.dialects.v10._own.standard import *
 
 class MAVLink(
     _own_paparazzi._Methods,
+    _own_paparazzi_replaced._Methods,
     _common.MAVLink,
 ): ...

@@ -5,6 +5,7 @@ from mavwire.dialects._dialect import *
 from mavwire.dialects.v10 import minimal as _minimal
 from mavwire.dialects.v10._own import standard as _own_standard
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 
 class MAVLink(

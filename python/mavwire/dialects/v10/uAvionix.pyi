@@ -5,7 +5,9 @@ from mavwire.dialects._dialect import *
 from mavwire.dialects.v10 import common as _common
 from mavwire.dialects.v10._own import uAvionix as _own_uAvionix
 from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.common_replaced import *
 from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.minimal_replaced import *
 from mavwire.dialects.v10._own.standard import *
 from mavwire.dialects.v10._own.uAvionix import *
 

@@ -6,7 +6,9 @@ from mavwire.dialects.v20 import common as _common
 from mavwire.dialects.v20._own import ASLUAV as _own_ASLUAV
 from mavwire.dialects.v20._own.ASLUAV import *
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.standard import *
 
 class MAVLink(

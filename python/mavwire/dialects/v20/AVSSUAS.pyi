@@ -6,7 +6,9 @@ from mavwire.dialects.v20 import common as _common
 from mavwire.dialects.v20._own import AVSSUAS as _own_AVSSUAS
 from mavwire.dialects.v20._own.AVSSUAS import *
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.standard import *
 
 class MAVLink(

@@ -15,12 +15,14 @@ from mavwire.dialects.v20._own.AVSSUAS import *
 from mavwire.dialects.v20._own.all import *
 from mavwire.dialects.v20._own.ardupilotmega import *
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.csAirLink import *
 from mavwire.dialects.v20._own.cubepilot import *
 from mavwire.dialects.v20._own.development import *
 from mavwire.dialects.v20._own.icarous import *
 from mavwire.dialects.v20._own.loweheiser import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.python_array_test import *
 from mavwire.dialects.v20._own.standard import *
 from mavwire.dialects.v20._own.storm32 import *

@@ -5,8 +5,10 @@ from mavwire.dialects._dialect import *
 from mavwire.dialects.v20 import common as _common
 from mavwire.dialects.v20._own import development as _own_development
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.development import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.standard import *
 
 class MAVLink(

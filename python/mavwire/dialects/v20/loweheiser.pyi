@@ -6,6 +6,7 @@ from mavwire.dialects.v20 import minimal as _minimal
 from mavwire.dialects.v20._own import loweheiser as _own_loweheiser
 from mavwire.dialects.v20._own.loweheiser import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 
 class MAVLink(
     _own_loweheiser._Methods,

@@ -6,11 +6,13 @@ from mavwire.dialects.v20 import ardupilotmega as _ardupilotmega
 from mavwire.dialects.v20._own import storm32 as _own_storm32
 from mavwire.dialects.v20._own.ardupilotmega import *
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.csAirLink import *
 from mavwire.dialects.v20._own.cubepilot import *
 from mavwire.dialects.v20._own.icarous import *
 from mavwire.dialects.v20._own.loweheiser import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.standard import *
 from mavwire.dialects.v20._own.storm32 import *
 from mavwire.dialects.v20._own.uAvionix import *

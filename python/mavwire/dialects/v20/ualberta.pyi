@@ -5,7 +5,9 @@ from mavwire.dialects._dialect import *
 from mavwire.dialects.v20 import common as _common
 from mavwire.dialects.v20._own import ualberta as _own_ualberta
 from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.common_replaced import *
 from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.minimal_replaced import *
 from mavwire.dialects.v20._own.standard import *
 from mavwire.dialects.v20._own.ualberta import *
 

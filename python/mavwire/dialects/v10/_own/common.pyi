@@ -1593,12 +1593,6 @@ class MAVLink_auth_key_message(_dialect.MAVLink_message):  # 7
     _key_raw: bytes
     def __init__(self, key: bytes) -> None: ...
 
-class MAVLink_set_mode_message(_dialect.MAVLink_message):  # 11
-    target_system: int
-    base_mode: int  # MAV_MODE
-    custom_mode: int
-    def __init__(self, target_system: int, base_mode: int, custom_mode: int) -> None: ...
-
 class MAVLink_param_request_read_message(_dialect.MAVLink_message):  # 20
     target_system: int
     target_component: int
@@ -1670,20 +1664,6 @@ class MAVLink_scaled_imu_message(_dialect.MAVLink_message):  # 26
     ymag: int  # mgauss
     zmag: int  # mgauss
     def __init__(self, time_boot_ms: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int, zgyro: int,
-        xmag: int, ymag: int, zmag: int) -> None: ...
-
-class MAVLink_raw_imu_message(_dialect.MAVLink_message):  # 27
-    time_usec: int  # us
-    xacc: int  # mG
-    yacc: int  # mG
-    zacc: int  # mG
-    xgyro: int  # mrad/s
-    ygyro: int  # mrad/s
-    zgyro: int  # mrad/s
-    xmag: int  # mgauss
-    ymag: int  # mgauss
-    zmag: int  # mgauss
-    def __init__(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int, zgyro: int,
         xmag: int, ymag: int, zmag: int) -> None: ...
 
 class MAVLink_raw_pressure_message(_dialect.MAVLink_message):  # 28
@@ -2292,18 +2272,6 @@ class MAVLink_hil_actuator_controls_message(_dialect.MAVLink_message):  # 93
     mode: int  # MAV_MODE_FLAG
     flags: int  # HIL_ACTUATOR_CONTROLS_FLAGS
     def __init__(self, time_usec: int, controls: _Sequence[float], mode: int, flags: int) -> None: ...
-
-class MAVLink_optical_flow_message(_dialect.MAVLink_message):  # 100
-    time_usec: int  # us
-    sensor_id: int
-    flow_x: int  # rad/s
-    flow_y: int  # rad/s
-    flow_comp_m_x: float  # m/s
-    flow_comp_m_y: float  # m/s
-    quality: int
-    ground_distance: float  # m
-    def __init__(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int, flow_comp_m_x: float,
-        flow_comp_m_y: float, quality: int, ground_distance: float) -> None: ...
 
 class MAVLink_global_vision_position_estimate_message(_dialect.MAVLink_message):  # 101
     usec: int  # us
@@ -2915,30 +2883,6 @@ class MAVLink_wind_cov_message(_dialect.MAVLink_message):  # 231
     def __init__(self, time_usec: int, wind_x: float, wind_y: float, wind_z: float, var_horiz: float,
         var_vert: float, wind_alt: float, horiz_accuracy: float, vert_accuracy: float) -> None: ...
 
-class MAVLink_gps_input_message(_dialect.MAVLink_message):  # 232
-    time_usec: int  # us
-    gps_id: int
-    ignore_flags: int  # GPS_INPUT_IGNORE_FLAGS
-    time_week_ms: int  # ms
-    time_week: int
-    fix_type: int
-    lat: int  # degE7
-    lon: int  # degE7
-    alt: float  # m
-    hdop: float
-    vdop: float
-    vn: float  # m/s
-    ve: float  # m/s
-    vd: float  # m/s
-    speed_accuracy: float  # m/s
-    horiz_accuracy: float  # m
-    vert_accuracy: float  # m
-    satellites_visible: int
-    def __init__(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int, time_week: int,
-        fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float, ve: float,
-        vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int) -> None: ...
-
 class MAVLink_gps_rtcm_data_message(_dialect.MAVLink_message):  # 233
     flags: int
     len: int  # bytes
@@ -3167,10 +3111,6 @@ class _Methods:
         force_mavlink1: bool = False) -> None: ...
     def auth_key_encode(self, key: bytes) -> MAVLink_auth_key_message: ...
     def auth_key_send(self, key: bytes, force_mavlink1: bool = False) -> None: ...
-    def set_mode_encode(self, target_system: int, base_mode: int,
-        custom_mode: int) -> MAVLink_set_mode_message: ...
-    def set_mode_send(self, target_system: int, base_mode: int, custom_mode: int,
-        force_mavlink1: bool = False) -> None: ...
     def param_request_read_encode(self, target_system: int, target_component: int, param_id: bytes,
         param_index: int) -> MAVLink_param_request_read_message: ...
     def param_request_read_send(self, target_system: int, target_component: int, param_id: bytes,
@@ -3201,10 +3141,6 @@ class _Methods:
     def scaled_imu_encode(self, time_boot_ms: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
         zgyro: int, xmag: int, ymag: int, zmag: int) -> MAVLink_scaled_imu_message: ...
     def scaled_imu_send(self, time_boot_ms: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
-        zgyro: int, xmag: int, ymag: int, zmag: int, force_mavlink1: bool = False) -> None: ...
-    def raw_imu_encode(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
-        zgyro: int, xmag: int, ymag: int, zmag: int) -> MAVLink_raw_imu_message: ...
-    def raw_imu_send(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
         zgyro: int, xmag: int, ymag: int, zmag: int, force_mavlink1: bool = False) -> None: ...
     def raw_pressure_encode(self, time_usec: int, press_abs: int, press_diff1: int, press_diff2: int,
         temperature: int) -> MAVLink_raw_pressure_message: ...
@@ -3460,12 +3396,6 @@ class _Methods:
     def hil_actuator_controls_encode(self, time_usec: int, controls: _Sequence[float], mode: int,
         flags: int) -> MAVLink_hil_actuator_controls_message: ...
     def hil_actuator_controls_send(self, time_usec: int, controls: _Sequence[float], mode: int, flags: int,
-        force_mavlink1: bool = False) -> None: ...
-    def optical_flow_encode(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int,
-        flow_comp_m_x: float, flow_comp_m_y: float, quality: int,
-        ground_distance: float) -> MAVLink_optical_flow_message: ...
-    def optical_flow_send(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int,
-        flow_comp_m_x: float, flow_comp_m_y: float, quality: int, ground_distance: float,
         force_mavlink1: bool = False) -> None: ...
     def global_vision_position_estimate_encode(self, usec: int, x: float, y: float, z: float, roll: float,
         pitch: float, yaw: float) -> MAVLink_global_vision_position_estimate_message: ...
@@ -3728,14 +3658,6 @@ class _Methods:
     def wind_cov_send(self, time_usec: int, wind_x: float, wind_y: float, wind_z: float, var_horiz: float,
         var_vert: float, wind_alt: float, horiz_accuracy: float, vert_accuracy: float,
         force_mavlink1: bool = False) -> None: ...
-    def gps_input_encode(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int,
-        time_week: int, fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float,
-        ve: float, vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int) -> MAVLink_gps_input_message: ...
-    def gps_input_send(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int,
-        time_week: int, fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float,
-        ve: float, vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int, force_mavlink1: bool = False) -> None: ...
     def gps_rtcm_data_encode(self, flags: int, len: int,
         data: _Sequence[int]) -> MAVLink_gps_rtcm_data_message: ...
     def gps_rtcm_data_send(self, flags: int, len: int, data: _Sequence[int],

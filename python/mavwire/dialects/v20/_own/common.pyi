@@ -1668,12 +1668,6 @@ class MAVLink_auth_key_message(_dialect.MAVLink_message):  # 7
     _key_raw: bytes
     def __init__(self, key: bytes) -> None: ...
 
-class MAVLink_set_mode_message(_dialect.MAVLink_message):  # 11
-    target_system: int
-    base_mode: int  # MAV_MODE
-    custom_mode: int
-    def __init__(self, target_system: int, base_mode: int, custom_mode: int) -> None: ...
-
 class MAVLink_param_request_read_message(_dialect.MAVLink_message):  # 20
     target_system: int
     target_component: int
@@ -1754,22 +1748,6 @@ class MAVLink_scaled_imu_message(_dialect.MAVLink_message):  # 26
     temperature: int  # cdegC
     def __init__(self, time_boot_ms: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int, zgyro: int,
         xmag: int, ymag: int, zmag: int, temperature: int = 0) -> None: ...
-
-class MAVLink_raw_imu_message(_dialect.MAVLink_message):  # 27
-    time_usec: int  # us
-    xacc: int  # mG
-    yacc: int  # mG
-    zacc: int  # mG
-    xgyro: int  # mrad/s
-    ygyro: int  # mrad/s
-    zgyro: int  # mrad/s
-    xmag: int  # mgauss
-    ymag: int  # mgauss
-    zmag: int  # mgauss
-    id: int
-    temperature: int  # cdegC
-    def __init__(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int, zgyro: int,
-        xmag: int, ymag: int, zmag: int, id: int = 0, temperature: int = 0) -> None: ...
 
 class MAVLink_raw_pressure_message(_dialect.MAVLink_message):  # 28
     time_usec: int  # us
@@ -1932,26 +1910,11 @@ class MAVLink_mission_set_current_message(_dialect.MAVLink_message):  # 41
     seq: int
     def __init__(self, target_system: int, target_component: int, seq: int) -> None: ...
 
-class MAVLink_mission_current_message(_dialect.MAVLink_message):  # 42
-    seq: int
-    total: int
-    mission_state: int  # MISSION_STATE
-    mission_mode: int
-    def __init__(self, seq: int, total: int = 0, mission_state: int = 0, mission_mode: int = 0) -> None: ...
-
 class MAVLink_mission_request_list_message(_dialect.MAVLink_message):  # 43
     target_system: int
     target_component: int
     mission_type: int  # MAV_MISSION_TYPE
     def __init__(self, target_system: int, target_component: int, mission_type: int = 0) -> None: ...
-
-class MAVLink_mission_count_message(_dialect.MAVLink_message):  # 44
-    target_system: int
-    target_component: int
-    count: int
-    mission_type: int  # MAV_MISSION_TYPE
-    def __init__(self, target_system: int, target_component: int, count: int,
-        mission_type: int = 0) -> None: ...
 
 class MAVLink_mission_clear_all_message(_dialect.MAVLink_message):  # 45
     target_system: int
@@ -1962,14 +1925,6 @@ class MAVLink_mission_clear_all_message(_dialect.MAVLink_message):  # 45
 class MAVLink_mission_item_reached_message(_dialect.MAVLink_message):  # 46
     seq: int
     def __init__(self, seq: int) -> None: ...
-
-class MAVLink_mission_ack_message(_dialect.MAVLink_message):  # 47
-    target_system: int
-    target_component: int
-    type: int  # MAV_MISSION_RESULT
-    mission_type: int  # MAV_MISSION_TYPE
-    def __init__(self, target_system: int, target_component: int, type: int,
-        mission_type: int = 0) -> None: ...
 
 class MAVLink_set_gps_global_origin_message(_dialect.MAVLink_message):  # 48
     target_system: int
@@ -2240,16 +2195,6 @@ class MAVLink_command_long_message(_dialect.MAVLink_message):  # 76
         param1: float, param2: float, param3: float, param4: float, param5: float, param6: float,
         param7: float) -> None: ...
 
-class MAVLink_command_ack_message(_dialect.MAVLink_message):  # 77
-    command: int  # MAV_CMD
-    result: int  # MAV_RESULT
-    progress: int
-    result_param2: int
-    target_system: int
-    target_component: int
-    def __init__(self, command: int, result: int, progress: int = 0, result_param2: int = 0,
-        target_system: int = 0, target_component: int = 0) -> None: ...
-
 class MAVLink_manual_setpoint_message(_dialect.MAVLink_message):  # 81
     time_boot_ms: int  # ms
     roll: float  # rad/s
@@ -2260,20 +2205,6 @@ class MAVLink_manual_setpoint_message(_dialect.MAVLink_message):  # 81
     manual_override_switch: int
     def __init__(self, time_boot_ms: int, roll: float, pitch: float, yaw: float, thrust: float,
         mode_switch: int, manual_override_switch: int) -> None: ...
-
-class MAVLink_set_attitude_target_message(_dialect.MAVLink_message):  # 82
-    time_boot_ms: int  # ms
-    target_system: int
-    target_component: int
-    type_mask: int  # ATTITUDE_TARGET_TYPEMASK
-    q: list[float]
-    body_roll_rate: float  # rad/s
-    body_pitch_rate: float  # rad/s
-    body_yaw_rate: float  # rad/s
-    thrust: float
-    def __init__(self, time_boot_ms: int, target_system: int, target_component: int, type_mask: int,
-        q: _Sequence[float], body_roll_rate: float, body_pitch_rate: float, body_yaw_rate: float,
-        thrust: float) -> None: ...
 
 class MAVLink_attitude_target_message(_dialect.MAVLink_message):  # 83
     time_boot_ms: int  # ms
@@ -2440,21 +2371,6 @@ class MAVLink_hil_actuator_controls_message(_dialect.MAVLink_message):  # 93
     flags: int  # HIL_ACTUATOR_CONTROLS_FLAGS
     def __init__(self, time_usec: int, controls: _Sequence[float], mode: int, flags: int) -> None: ...
 
-class MAVLink_optical_flow_message(_dialect.MAVLink_message):  # 100
-    time_usec: int  # us
-    sensor_id: int
-    flow_x: int  # rad/s
-    flow_y: int  # rad/s
-    flow_comp_m_x: float  # m/s
-    flow_comp_m_y: float  # m/s
-    quality: int
-    ground_distance: float  # m
-    flow_rate_x: float  # rad/s
-    flow_rate_y: float  # rad/s
-    def __init__(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int, flow_comp_m_x: float,
-        flow_comp_m_y: float, quality: int, ground_distance: float, flow_rate_x: float = 0,
-        flow_rate_y: float = 0) -> None: ...
-
 class MAVLink_global_vision_position_estimate_message(_dialect.MAVLink_message):  # 101
     usec: int  # us
     x: float  # m
@@ -2610,11 +2526,6 @@ class MAVLink_file_transfer_protocol_message(_dialect.MAVLink_message):  # 110
     def __init__(self, target_network: int, target_system: int, target_component: int,
         payload: _Sequence[int]) -> None: ...
 
-class MAVLink_timesync_message(_dialect.MAVLink_message):  # 111
-    tc1: int  # ns
-    ts1: int  # ns
-    def __init__(self, tc1: int, ts1: int) -> None: ...
-
 class MAVLink_camera_trigger_message(_dialect.MAVLink_message):  # 112
     time_usec: int  # us
     seq: int
@@ -2769,16 +2680,6 @@ class MAVLink_power_status_message(_dialect.MAVLink_message):  # 125
     Vservo: int  # mV
     flags: int  # MAV_POWER_STATUS
     def __init__(self, Vcc: int, Vservo: int, flags: int) -> None: ...
-
-class MAVLink_serial_control_message(_dialect.MAVLink_message):  # 126
-    device: int  # SERIAL_CONTROL_DEV
-    flags: int  # SERIAL_CONTROL_FLAG
-    timeout: int  # ms
-    baudrate: int  # bits/s
-    count: int  # bytes
-    data: list[int]
-    def __init__(self, device: int, flags: int, timeout: int, baudrate: int, count: int,
-        data: _Sequence[int]) -> None: ...
 
 class MAVLink_gps_rtk_message(_dialect.MAVLink_message):  # 127
     time_last_baseline_ms: int  # ms
@@ -3122,31 +3023,6 @@ class MAVLink_wind_cov_message(_dialect.MAVLink_message):  # 231
     vert_accuracy: float  # m/s
     def __init__(self, time_usec: int, wind_x: float, wind_y: float, wind_z: float, var_horiz: float,
         var_vert: float, wind_alt: float, horiz_accuracy: float, vert_accuracy: float) -> None: ...
-
-class MAVLink_gps_input_message(_dialect.MAVLink_message):  # 232
-    time_usec: int  # us
-    gps_id: int
-    ignore_flags: int  # GPS_INPUT_IGNORE_FLAGS
-    time_week_ms: int  # ms
-    time_week: int
-    fix_type: int
-    lat: int  # degE7
-    lon: int  # degE7
-    alt: float  # m
-    hdop: float
-    vdop: float
-    vn: float  # m/s
-    ve: float  # m/s
-    vd: float  # m/s
-    speed_accuracy: float  # m/s
-    horiz_accuracy: float  # m
-    vert_accuracy: float  # m
-    satellites_visible: int
-    yaw: int  # cdeg
-    def __init__(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int, time_week: int,
-        fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float, ve: float,
-        vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int, yaw: int = 0) -> None: ...
 
 class MAVLink_gps_rtcm_data_message(_dialect.MAVLink_message):  # 233
     flags: int
@@ -3763,13 +3639,6 @@ class MAVLink_global_position_sensor_message(_dialect.MAVLink_message):  # 296
         processing_time: int, source: int, flags: int, lat: int, lon: int, alt_ellipsoid: float, alt: float,
         eph: float, epv: float) -> None: ...
 
-class MAVLink_wifi_config_ap_message(_dialect.MAVLink_message):  # 299
-    ssid: str
-    _ssid_raw: bytes
-    password: str
-    _password_raw: bytes
-    def __init__(self, ssid: bytes, password: bytes) -> None: ...
-
 class MAVLink_ais_vessel_message(_dialect.MAVLink_message):  # 301
     MMSI: int
     lat: int  # degE7
@@ -4295,10 +4164,6 @@ class _Methods:
         force_mavlink1: bool = False) -> None: ...
     def auth_key_encode(self, key: bytes) -> MAVLink_auth_key_message: ...
     def auth_key_send(self, key: bytes, force_mavlink1: bool = False) -> None: ...
-    def set_mode_encode(self, target_system: int, base_mode: int,
-        custom_mode: int) -> MAVLink_set_mode_message: ...
-    def set_mode_send(self, target_system: int, base_mode: int, custom_mode: int,
-        force_mavlink1: bool = False) -> None: ...
     def param_request_read_encode(self, target_system: int, target_component: int, param_id: bytes,
         param_index: int) -> MAVLink_param_request_read_message: ...
     def param_request_read_send(self, target_system: int, target_component: int, param_id: bytes,
@@ -4333,12 +4198,6 @@ class _Methods:
         zgyro: int, xmag: int, ymag: int, zmag: int, temperature: int = 0) -> MAVLink_scaled_imu_message: ...
     def scaled_imu_send(self, time_boot_ms: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
         zgyro: int, xmag: int, ymag: int, zmag: int, temperature: int = 0,
-        force_mavlink1: bool = False) -> None: ...
-    def raw_imu_encode(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
-        zgyro: int, xmag: int, ymag: int, zmag: int, id: int = 0,
-        temperature: int = 0) -> MAVLink_raw_imu_message: ...
-    def raw_imu_send(self, time_usec: int, xacc: int, yacc: int, zacc: int, xgyro: int, ygyro: int,
-        zgyro: int, xmag: int, ymag: int, zmag: int, id: int = 0, temperature: int = 0,
         force_mavlink1: bool = False) -> None: ...
     def raw_pressure_encode(self, time_usec: int, press_abs: int, press_diff1: int, press_diff2: int,
         temperature: int) -> MAVLink_raw_pressure_message: ...
@@ -4407,17 +4266,9 @@ class _Methods:
         seq: int) -> MAVLink_mission_set_current_message: ...
     def mission_set_current_send(self, target_system: int, target_component: int, seq: int,
         force_mavlink1: bool = False) -> None: ...
-    def mission_current_encode(self, seq: int, total: int = 0, mission_state: int = 0,
-        mission_mode: int = 0) -> MAVLink_mission_current_message: ...
-    def mission_current_send(self, seq: int, total: int = 0, mission_state: int = 0, mission_mode: int = 0,
-        force_mavlink1: bool = False) -> None: ...
     def mission_request_list_encode(self, target_system: int, target_component: int,
         mission_type: int = 0) -> MAVLink_mission_request_list_message: ...
     def mission_request_list_send(self, target_system: int, target_component: int, mission_type: int = 0,
-        force_mavlink1: bool = False) -> None: ...
-    def mission_count_encode(self, target_system: int, target_component: int, count: int,
-        mission_type: int = 0) -> MAVLink_mission_count_message: ...
-    def mission_count_send(self, target_system: int, target_component: int, count: int, mission_type: int = 0,
         force_mavlink1: bool = False) -> None: ...
     def mission_clear_all_encode(self, target_system: int, target_component: int,
         mission_type: int = 0) -> MAVLink_mission_clear_all_message: ...
@@ -4425,10 +4276,6 @@ class _Methods:
         force_mavlink1: bool = False) -> None: ...
     def mission_item_reached_encode(self, seq: int) -> MAVLink_mission_item_reached_message: ...
     def mission_item_reached_send(self, seq: int, force_mavlink1: bool = False) -> None: ...
-    def mission_ack_encode(self, target_system: int, target_component: int, type: int,
-        mission_type: int = 0) -> MAVLink_mission_ack_message: ...
-    def mission_ack_send(self, target_system: int, target_component: int, type: int, mission_type: int = 0,
-        force_mavlink1: bool = False) -> None: ...
     def set_gps_global_origin_encode(self, target_system: int, latitude: int, longitude: int, altitude: int,
         time_usec: int = 0) -> MAVLink_set_gps_global_origin_message: ...
     def set_gps_global_origin_send(self, target_system: int, latitude: int, longitude: int, altitude: int,
@@ -4538,20 +4385,10 @@ class _Methods:
     def command_long_send(self, target_system: int, target_component: int, command: int, confirmation: int,
         param1: float, param2: float, param3: float, param4: float, param5: float, param6: float,
         param7: float, force_mavlink1: bool = False) -> None: ...
-    def command_ack_encode(self, command: int, result: int, progress: int = 0, result_param2: int = 0,
-        target_system: int = 0, target_component: int = 0) -> MAVLink_command_ack_message: ...
-    def command_ack_send(self, command: int, result: int, progress: int = 0, result_param2: int = 0,
-        target_system: int = 0, target_component: int = 0, force_mavlink1: bool = False) -> None: ...
     def manual_setpoint_encode(self, time_boot_ms: int, roll: float, pitch: float, yaw: float, thrust: float,
         mode_switch: int, manual_override_switch: int) -> MAVLink_manual_setpoint_message: ...
     def manual_setpoint_send(self, time_boot_ms: int, roll: float, pitch: float, yaw: float, thrust: float,
         mode_switch: int, manual_override_switch: int, force_mavlink1: bool = False) -> None: ...
-    def set_attitude_target_encode(self, time_boot_ms: int, target_system: int, target_component: int,
-        type_mask: int, q: _Sequence[float], body_roll_rate: float, body_pitch_rate: float,
-        body_yaw_rate: float, thrust: float) -> MAVLink_set_attitude_target_message: ...
-    def set_attitude_target_send(self, time_boot_ms: int, target_system: int, target_component: int,
-        type_mask: int, q: _Sequence[float], body_roll_rate: float, body_pitch_rate: float,
-        body_yaw_rate: float, thrust: float, force_mavlink1: bool = False) -> None: ...
     def attitude_target_encode(self, time_boot_ms: int, type_mask: int, q: _Sequence[float],
         body_roll_rate: float, body_pitch_rate: float, body_yaw_rate: float,
         thrust: float) -> MAVLink_attitude_target_message: ...
@@ -4614,12 +4451,6 @@ class _Methods:
         flags: int) -> MAVLink_hil_actuator_controls_message: ...
     def hil_actuator_controls_send(self, time_usec: int, controls: _Sequence[float], mode: int, flags: int,
         force_mavlink1: bool = False) -> None: ...
-    def optical_flow_encode(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int,
-        flow_comp_m_x: float, flow_comp_m_y: float, quality: int, ground_distance: float,
-        flow_rate_x: float = 0, flow_rate_y: float = 0) -> MAVLink_optical_flow_message: ...
-    def optical_flow_send(self, time_usec: int, sensor_id: int, flow_x: int, flow_y: int,
-        flow_comp_m_x: float, flow_comp_m_y: float, quality: int, ground_distance: float,
-        flow_rate_x: float = 0, flow_rate_y: float = 0, force_mavlink1: bool = False) -> None: ...
     def global_vision_position_estimate_encode(self, usec: int, x: float, y: float, z: float, roll: float,
         pitch: float, yaw: float, covariance: _Sequence[float] = ...,
         reset_counter: int = 0) -> MAVLink_global_vision_position_estimate_message: ...
@@ -4682,8 +4513,6 @@ class _Methods:
         payload: _Sequence[int]) -> MAVLink_file_transfer_protocol_message: ...
     def file_transfer_protocol_send(self, target_network: int, target_system: int, target_component: int,
         payload: _Sequence[int], force_mavlink1: bool = False) -> None: ...
-    def timesync_encode(self, tc1: int, ts1: int) -> MAVLink_timesync_message: ...
-    def timesync_send(self, tc1: int, ts1: int, force_mavlink1: bool = False) -> None: ...
     def camera_trigger_encode(self, time_usec: int, seq: int) -> MAVLink_camera_trigger_message: ...
     def camera_trigger_send(self, time_usec: int, seq: int, force_mavlink1: bool = False) -> None: ...
     def hil_gps_encode(self, time_usec: int, fix_type: int, lat: int, lon: int, alt: int, eph: int, epv: int,
@@ -4750,10 +4579,6 @@ class _Methods:
         force_mavlink1: bool = False) -> None: ...
     def power_status_encode(self, Vcc: int, Vservo: int, flags: int) -> MAVLink_power_status_message: ...
     def power_status_send(self, Vcc: int, Vservo: int, flags: int, force_mavlink1: bool = False) -> None: ...
-    def serial_control_encode(self, device: int, flags: int, timeout: int, baudrate: int, count: int,
-        data: _Sequence[int]) -> MAVLink_serial_control_message: ...
-    def serial_control_send(self, device: int, flags: int, timeout: int, baudrate: int, count: int,
-        data: _Sequence[int], force_mavlink1: bool = False) -> None: ...
     def gps_rtk_encode(self, time_last_baseline_ms: int, rtk_receiver_id: int, wn: int, tow: int,
         rtk_health: int, rtk_rate: int, nsats: int, baseline_coords_type: int, baseline_a_mm: int,
         baseline_b_mm: int, baseline_c_mm: int, accuracy: int,
@@ -4905,14 +4730,6 @@ class _Methods:
     def wind_cov_send(self, time_usec: int, wind_x: float, wind_y: float, wind_z: float, var_horiz: float,
         var_vert: float, wind_alt: float, horiz_accuracy: float, vert_accuracy: float,
         force_mavlink1: bool = False) -> None: ...
-    def gps_input_encode(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int,
-        time_week: int, fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float,
-        ve: float, vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int, yaw: int = 0) -> MAVLink_gps_input_message: ...
-    def gps_input_send(self, time_usec: int, gps_id: int, ignore_flags: int, time_week_ms: int,
-        time_week: int, fix_type: int, lat: int, lon: int, alt: float, hdop: float, vdop: float, vn: float,
-        ve: float, vd: float, speed_accuracy: float, horiz_accuracy: float, vert_accuracy: float,
-        satellites_visible: int, yaw: int = 0, force_mavlink1: bool = False) -> None: ...
     def gps_rtcm_data_encode(self, flags: int, len: int,
         data: _Sequence[int]) -> MAVLink_gps_rtcm_data_message: ...
     def gps_rtcm_data_send(self, flags: int, len: int, data: _Sequence[int],
@@ -5183,8 +5000,6 @@ class _Methods:
     def global_position_sensor_send(self, target_system: int, target_component: int, id: int, time_usec: int,
         processing_time: int, source: int, flags: int, lat: int, lon: int, alt_ellipsoid: float, alt: float,
         eph: float, epv: float, force_mavlink1: bool = False) -> None: ...
-    def wifi_config_ap_encode(self, ssid: bytes, password: bytes) -> MAVLink_wifi_config_ap_message: ...
-    def wifi_config_ap_send(self, ssid: bytes, password: bytes, force_mavlink1: bool = False) -> None: ...
     def ais_vessel_encode(self, MMSI: int, lat: int, lon: int, COG: int, heading: int, velocity: int,
         turn_rate: int, navigational_status: int, type: int, dimension_bow: int, dimension_stern: int,
         dimension_port: int, dimension_starboard: int, callsign: bytes, name: bytes, tslc: int,
