@@ -16,6 +16,9 @@ const TYPES: [&[Described]; 7] = [
     &[("D", "QiZ", "TimeUS,X,Text", 79), ("B", "QB", "TimeUS,X", 12)],
 ];
 
+/// Bytes of a description.
+const FMT_LEN: usize = 89;
+
 /// Bytes of a description that a record hides.
 const HIDDEN: usize = 40;
 
@@ -123,7 +126,7 @@ impl Maker {
             }
             Item::Cut(len) => {
                 // What makes it a dataflash log stays.
-                self.log.truncate(self.log.len().saturating_sub(len.into()).max(4));
+                self.log.truncate(self.log.len().saturating_sub(len.into()).max(FMT_LEN));
             }
         }
     }
