@@ -3,9 +3,10 @@
 from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Protocol, TypeAlias, final
+from typing import Any, Final, TypeAlias, final
 
 from mavwire._native import Dialect
+from mavwire.logs.selection import Selection
 from typing_extensions import Buffer
 
 __all__ = [
@@ -39,26 +40,11 @@ _Log: TypeAlias = (
 """A file; the bytes of one from the first to one that is not meant any more; the same of a telemetry
 log, and whether its records have time stamps; the bytes of a log."""
 
-class _Query(Protocol):
-    """What to read into tables; None stands for all. See `mavwire.logs.selection.Selection`."""
-
-    types: list[int] | None
-    names: list[str] | None
-    systems: list[int] | None
-    start: float | None
-    end: float | None
-    columns: list[str] | None
-    si: bool
-    enum_names: bool
-    untimed: bool
-    batch_rows: int | None
-    batch_bytes: int | None
-
 @final
 class LogColumns:
     """One pass over a telemetry log or raw stream, an iterator of tables."""
 
-    def __new__(cls, log: _Log, dialect: Dialect, query: _Query) -> LogColumns: ...
+    def __new__(cls, log: _Log, dialect: Dialect, query: Selection) -> LogColumns: ...
     def __iter__(self) -> LogColumns: ...
     def __next__(self) -> list[tuple[str, RecordBatches]]:
         """What is ready after another block of the log: message names and tables, perhaps none."""
@@ -181,7 +167,7 @@ class Converter:
         cls,
         log: _Log,
         dialect: Dialect,
-        query: _Query,
+        query: Selection,
         folder: str | PathLike[str],
         file: str,
         format: str,
@@ -213,7 +199,7 @@ class DataflashTables:
 
     @staticmethod
     def read(
-        log: _Log, query: _Query
+        log: _Log, query: Selection
     ) -> tuple[DataflashTables, list[tuple[str, RecordBatches]] | None] | None:
         """The same with the tables that `query` asks for; None in their place if they take another
         run, by `columns`.
@@ -230,15 +216,15 @@ class DataflashTables:
     def types(self) -> dict[str, list[str]]:
         """The record types that the log describes, and their columns."""
 
-    def empty(self, name: str, query: _Query) -> RecordBatches:
+    def empty(self, name: str, query: Selection) -> RecordBatches:
         """A table without rows of a record type; KeyError for no such type."""
 
-    def columns(self, query: _Query) -> LogColumns:
+    def columns(self, query: Selection) -> LogColumns:
         """One run over the log, giving tables."""
 
     def convert(
         self,
-        query: _Query,
+        query: Selection,
         folder: str | PathLike[str],
         file: str,
         format: str,
@@ -257,7 +243,7 @@ class LogRewrite:
     def select(
         path: str | PathLike[str],
         dialect: Dialect,
-        query: _Query,
+        query: Selection,
         out: str | PathLike[str],
         shift: tuple[float, float] | None = None,
     ) -> LogRewrite:
@@ -345,7 +331,7 @@ def identify(log: _Log, unpack: bool = False) -> LogKind:
 def head_to_utf8(head: bytes) -> bytes:
     """The start of a text log as UTF-8 with line feeds; other bytes as they are."""
 
-def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
+def empty_table(dialect: Dialect, msgid: int, query: Selection) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""
 
 def date_text(seconds: float) -> str:

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
-from typing import Any, Protocol, Self, final
+from typing import Any, Self, final
 
 from mavwire._native import Dialect, Message
 from mavwire._stubs.links import Link
+from mavwire.logs.selection import Selection
 from typing_extensions import disjoint_base
 
 @disjoint_base
@@ -81,21 +82,16 @@ class LogLink(Link):
     def _visited_offset(self) -> int:
         """Where the record begins that a filtered read visited last, 0 before the first one."""
 
-class _Selection(Protocol):
-    """Which messages a `LogScan` gives; None stands for all."""
-
-    types: list[int] | None
-    unknown: list[int] | None
-    systems: list[int] | None
-    start: float | None
-    end: float | None
-
 @final
 class LogScan:
     """One pass over a telemetry log, an iterator of messages."""
 
     def __new__(
-        cls, path: str | PathLike[str], dialect: Dialect, rescan: bool, wanted: _Selection
+        cls,
+        path: str | PathLike[str],
+        dialect: Dialect,
+        rescan: bool,
+        query: Selection | None = None,
     ) -> LogScan: ...
     def __iter__(self) -> LogScan: ...
     def __next__(self) -> Message:

@@ -216,7 +216,7 @@ class TelemetryLog(Log):
     def _has_record(self) -> bool:
         """Whether a record is found anywhere."""
         native = self.dialect.MAVLink(None)._dialect
-        scan = LogScan(self.path, native, self.resync == "rescan", Selection())
+        scan = LogScan(self.path, native, self.resync == "rescan")
         return next(scan, None) is not None
 
     def _first_records(self) -> tuple[bool, str | None]:

@@ -15,7 +15,7 @@ use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::layout::{Layout, Options, names_len};
 use crate::reader::{Batch, Limits};
 use crate::row_block::{Chosen, PIECE, RowBlock, Side, portions};
-use crate::scan::{Framing, Scanned};
+use crate::scan::{Framing, Scanned, UNKNOWN};
 use crate::select::Wanted;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
@@ -24,7 +24,7 @@ use crate::tables::Tables;
 pub(crate) struct Decoder {
     registry: Arc<Registry>,
     framing: Framing,
-    wanted: Wanted,
+    pub(crate) wanted: Wanted,
     options: Options,
     tables: Tables,
     pieces: Vec<RowBlock>,
@@ -98,7 +98,9 @@ impl Decoder {
     fn sort(&mut self, block: &[u8], scanned: &Scanned, some: Range<usize>) {
         let Self { framing, wanted, pieces, strides, .. } = self;
         let (lead, records) = (framing.lead(), &scanned.records[some]);
-        let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
+        let wants = |record: &&Located| {
+            record.index != UNKNOWN && wanted.wants(block, lead, scanned, **record)
+        };
         pieces.resize_with(records.len().div_ceil(PIECE), RowBlock::default);
         let each = pieces.par_iter_mut().zip(records.par_chunks(PIECE)).with_max_len(1);
         each.for_each(|(piece, records)| {

@@ -12,7 +12,7 @@ use crate::input::{Blocks, Steps};
 use crate::layout::Options;
 use crate::pool;
 use crate::row_block::Rest;
-use crate::scan::{Framing, LogScanner, Scanned};
+use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
 use crate::select::Wanted;
 use crate::table::Expected;
 use crate::unknown::UnknownCounts;
@@ -87,7 +87,7 @@ pub trait Decode: Send {
     /// What is wrong with the compressed file, of which everything before that was read.
     fn damage(&self) -> Option<&str>;
 
-    /// The messages so far that the dialect does not know. None where types are chosen, or the log describes its own.
+    /// The wanted messages so far that the dialect does not define. A dataflash log defines its own.
     fn unknown(&self) -> UnknownCounts {
         UnknownCounts::default()
     }
@@ -103,8 +103,7 @@ pub struct Reader {
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
-    /// `None` where types are chosen.
-    unknown: Option<UnknownCounts>,
+    unknown: UnknownCounts,
     size: u64,
 }
 
@@ -123,10 +122,9 @@ impl Reader {
         limits: Limits,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
-        let unknown = wanted.types.is_none().then(UnknownCounts::default);
         let decoder = Decoder::new(Arc::clone(&registry), framing, wanted, options, limits);
         let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
-        let (rest, position, bad_bytes, size) = Default::default();
+        let (rest, position, bad_bytes, unknown, size) = Default::default();
         Ok(Self { blocks, scanner, framing, decoder, rest, position, bad_bytes, unknown, size })
     }
 
@@ -148,7 +146,7 @@ impl Decode for Reader {
     }
 
     fn unknown(&self) -> UnknownCounts {
-        self.unknown.clone().unwrap_or_default()
+        self.unknown.clone()
     }
 
     fn is_within_block(&self) -> bool {
@@ -176,8 +174,10 @@ impl Decode for Reader {
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
             let consumed = scanned.consumed;
-            if let Some(unknown) = unknown {
-                scanned.unknown.iter().for_each(|&kind| unknown.add(kind));
+            for record in scanned.records.iter().filter(|record| record.index == UNKNOWN) {
+                if decoder.wanted.wants(block, scanner.lead(), &scanned, *record) {
+                    unknown.add(&block[record.at as usize + scanner.lead()..], None);
+                }
             }
             let done = (position + consumed as u64) as f64 / size as f64;
             let mut portions = decoder.portions(&scanned);

@@ -16,12 +16,10 @@ use mavwire_core::registry::Registry;
 use mavwire_core::telemetry::StreamClock;
 use rayon::prelude::*;
 
-use crate::unknown::UnknownKind;
-
 /// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
 pub(crate) const STRETCH: usize = 256 << 10;
 
-/// [`Located::index`] of ids that the dialect does not know.
+/// [`Located::index`] of messages that the dialect does not define.
 pub const UNKNOWN: u16 = u16::MAX;
 
 /// The records of a block. Positions are counted from its start.
@@ -35,8 +33,6 @@ pub struct Scanned {
     pub distrusted: Vec<(u32, u64)>,
     /// In a raw stream, the records at which the time of the stream's clock changes.
     clock: Option<Vec<(u32, u64)>>,
-    /// The messages that the dialect does not know.
-    pub unknown: Vec<UnknownKind>,
     /// Bytes that belong to no record; what touches is one range.
     pub bad: Vec<Range<usize>>,
 }
@@ -122,9 +118,6 @@ impl LogScanner {
         match self.scanner.next(&block[at..], &self.registry, at_end) {
             FoundRecord::Record { len, entry, .. } => {
                 let index = entry.map_or(UNKNOWN, |entry| entry.index);
-                if entry.is_none() {
-                    out.unknown.extend(UnknownKind::of(&block[at + self.lead()..at + len]));
-                }
                 self.take_run(block, &[Located { at: at as u32, index }], out);
                 out.consumed += len;
             }

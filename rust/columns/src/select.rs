@@ -1,8 +1,9 @@
 //! Which records are wanted.
 
+use mavwire_core::frame::Header;
 use mavwire_core::log::tlog::Located;
 
-use crate::scan::{Scanned, UNKNOWN, header_at};
+use crate::scan::{Scanned, UNKNOWN};
 
 /// Which records are wanted.
 #[derive(Debug, Clone)]
@@ -32,12 +33,8 @@ impl Default for Wanted {
 }
 
 impl Wanted {
+    /// Whether a record is wanted. A raw stream has no times to choose by.
     #[inline]
-    fn wants_type(&self, index: u16) -> bool {
-        index != UNKNOWN && self.types.as_ref().is_none_or(|types| types[usize::from(index)])
-    }
-
-    /// Whether a record is wanted.
     pub(crate) fn wants(
         &self,
         block: &[u8],
@@ -45,31 +42,30 @@ impl Wanted {
         scanned: &Scanned,
         record: Located,
     ) -> bool {
-        let by_type = match record.index {
-            UNKNOWN => self.wants_unknown(block, lead, record),
-            index => self.wants_type(index),
+        let frame = &block[record.at as usize + lead..];
+        let wants_time = || {
+            let time = scanned.time(block, record.at);
+            lead == 0 || time.is_some_and(|time| self.wants_time(seconds(time as f64)))
         };
-        by_type && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+        self.wants_type(record.index, frame)
+            && (self.by_type_alone() || (wants_time() && self.wants_system(frame)))
     }
 
-    /// Whether a record is wanted in a table; one of an unknown id has none.
+    /// Whether the frame at the front of some bytes is wanted. `index` is that of its message, or [`UNKNOWN`], and `time`
+    /// is in seconds since 1970.
     #[inline]
-    pub(crate) fn wants_row(
-        &self,
-        block: &[u8],
-        lead: usize,
-        scanned: &Scanned,
-        record: Located,
-    ) -> bool {
-        self.wants_type(record.index)
-            && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+    pub fn wants_frame(&self, index: u16, frame: &[u8], time: f64) -> bool {
+        self.wants_type(index, frame) && self.wants_time(time) && self.wants_system(frame)
     }
 
-    fn wants_unknown(&self, block: &[u8], lead: usize, record: Located) -> bool {
-        let is_among = |ids: &Vec<u32>| {
-            header_at(block, record.at, lead).is_some_and(|header| ids.contains(&header.msgid))
-        };
-        self.unknown.as_ref().is_none_or(is_among)
+    #[inline]
+    fn wants_type(&self, index: u16, frame: &[u8]) -> bool {
+        if index == UNKNOWN {
+            return is_among(self.unknown.as_ref(), frame, |ids, header| {
+                ids.contains(&header.msgid)
+            });
+        }
+        self.types.as_ref().is_none_or(|types| types[usize::from(index)])
     }
 
     /// Whether a look at the type settles it.
@@ -77,13 +73,21 @@ impl Wanted {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY
     }
 
-    fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: Located) -> bool {
-        let from =
-            |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
-        let is_in_span = |time| (self.start..self.end).contains(&seconds(time as f64));
-        let in_time = lead == 0 || scanned.time(block, record.at).is_some_and(is_in_span);
-        in_time && header_at(block, record.at, lead).is_some_and(|header| from(header.sysid))
+    #[inline]
+    fn wants_time(&self, time: f64) -> bool {
+        (self.start..self.end).contains(&time)
     }
+
+    #[inline]
+    fn wants_system(&self, frame: &[u8]) -> bool {
+        is_among(self.systems.as_ref(), frame, |systems, header| systems[usize::from(header.sysid)])
+    }
+}
+
+/// Whether a frame is among the chosen ones; all are if none are chosen.
+#[inline]
+fn is_among<T>(chosen: Option<&T>, frame: &[u8], has: impl FnOnce(&T, Header) -> bool) -> bool {
+    chosen.is_none_or(|chosen| Header::parse(frame).is_some_and(|header| has(chosen, header)))
 }
 
 /// Seconds of a time in microseconds, rounded as those of messages are.

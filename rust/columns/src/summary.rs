@@ -56,6 +56,23 @@ impl Count {
         self.last = time;
         self.elapsed = steady.saturating_sub(*self.began.get_or_insert(steady));
     }
+
+    /// Adds other messages of the same log.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        let end = |count: &Self| count.began.map(|began| began.saturating_add(count.elapsed));
+        let (first, last) = (
+            if self.began.is_none_or(|own| other.began.is_some_and(|began| began < own)) {
+                other
+            } else {
+                &*self
+            },
+            if end(other) > end(self) { other } else { &*self },
+        );
+        let elapsed =
+            end(last).zip(first.began).map_or(0, |(end, began)| end.saturating_sub(began));
+        let messages = self.messages + other.messages;
+        *self = Self { messages, last: last.last, elapsed, ..*first };
+    }
 }
 
 /// One component of one system.
@@ -83,12 +100,8 @@ pub struct Summary {
     pub count: Count,
     /// By message index.
     pub types: Vec<Count>,
-    /// By id, those that the dialect does not have.
-    pub unknown: BTreeMap<u32, Count>,
-    /// The same messages by id and `crc_extra`.
-    pub unknown_kinds: UnknownCounts,
-    /// Messages of further unknown ids.
-    pub unlisted: u64,
+    /// Messages that the dialect does not define.
+    pub unknown: UnknownCounts,
     /// By system and component.
     pub senders: BTreeMap<(u8, u8), Sender>,
     /// Spans of time without a message.
@@ -152,12 +165,16 @@ impl Summary {
         for record in &scanned.records {
             let Some(header) = header_at(block, record.at, lead) else { continue };
             let moment = self.add_time(scanned.time(block, record.at), gap);
-            let payload = &block[record.at as usize + lead + header.len()..]
-                [..usize::from(header.payload_len)];
+            let frame = &block[record.at as usize + lead..];
+            if record.index == UNKNOWN {
+                self.unknown.add(frame, moment);
+            } else {
+                self.types[usize::from(record.index)].add(moment);
+            }
+            let payload = &frame[header.len()..][..usize::from(header.payload_len)];
             let boot = registry.boot_times().millis(record.index, payload);
-            self.add_record(record.index, &header, moment, boot);
+            self.add_record(&header, moment, boot);
         }
-        scanned.unknown.iter().for_each(|&kind| self.unknown_kinds.add(kind));
         self.distrusted += scanned.distrusted.len() as u64;
         self.add_bad(&scanned.bad);
         self.bytes += scanned.consumed as u64;
@@ -180,22 +197,9 @@ impl Summary {
         moment
     }
 
-    fn add_record(
-        &mut self,
-        index: u16,
-        header: &Header,
-        moment: Option<RecordTime>,
-        boot: Option<u32>,
-    ) {
+    fn add_record(&mut self, header: &Header, moment: Option<RecordTime>, boot: Option<u32>) {
         self.version1 += u64::from(header.version == WireVersion::V1);
         self.signed += u64::from(header.is_signed());
-        if index != UNKNOWN {
-            self.types[usize::from(index)].add(moment);
-        } else if self.unknown.len() < MOST_LISTED || self.unknown.contains_key(&header.msgid) {
-            self.unknown.entry(header.msgid).or_default().add(moment);
-        } else {
-            self.unlisted += 1;
-        }
         let sender = self.senders.entry((header.sysid, header.compid)).or_default();
         sender.count.add(moment);
         match sender.sequence.add(header.seq, moment.map_or(0, |moment| moment.time)) {

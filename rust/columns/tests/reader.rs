@@ -22,10 +22,22 @@ static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
 });
 
 fn reader(limits: Limits) -> Reader {
+    reader_of(Wanted::default(), limits)
+}
+
+fn reader_of(wanted: Wanted, limits: Limits) -> Reader {
     let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
-    let (wanted, options) = (Wanted::default(), Options::default());
+    let options = Options::default();
     Reader::new(Steps::default(), source, None, registry, wanted, options, limits)
         .expect("a reader")
+}
+
+/// Wanted messages that the dialect does not define.
+fn unknown(wanted: Wanted) -> u64 {
+    let mut reader = reader_of(wanted, Limits::NONE);
+    while reader.advance().expect("batches").is_some() {}
+    let counts = reader.unknown();
+    counts.unlisted + counts.listed.values().map(|count| count.messages).sum::<u64>()
 }
 
 /// Rows, and batches, by message index.
@@ -97,4 +109,23 @@ fn any_number_of_threads_makes_the_same_tables() {
     for threads in [2, 5] {
         assert_eq!(tables(threads), (alone.clone(), bad), "{threads} threads");
     }
+}
+
+#[test]
+fn unknown_messages_are_counted_if_they_are_wanted() {
+    let all = unknown(Wanted::default());
+    let of_system = |system: usize| {
+        let mut systems = Box::new([false; 256]);
+        systems[system] = true;
+        unknown(Wanted { systems: Some(systems), ..Wanted::default() })
+    };
+    let parts = [1, 2, 3].map(of_system);
+    assert_eq!((parts.iter().sum::<u64>(), of_system(4)), (all, 0));
+    assert!(parts.iter().all(|&part| part > 0));
+    let middle = 1_600_000_000.0 + 0xFD_FE as f64 * 1e-6 * RECORDS as f64 / 2.0;
+    let before = unknown(Wanted { end: middle, ..Wanted::default() });
+    let behind = unknown(Wanted { start: middle, ..Wanted::default() });
+    assert!(before > 0 && behind > 0 && before + behind == all);
+    assert_eq!(unknown(Wanted { unknown: Some(vec![0xABCD]), ..Wanted::default() }), all);
+    assert_eq!(unknown(Wanted { unknown: Some(vec![]), ..Wanted::default() }), 0);
 }

@@ -253,8 +253,8 @@ fn summarised(bytes: &[u8]) {
     let (records, bad) = one_by_one(bytes, framing);
     assert_eq!((sum.count.messages, sum.bad_bytes), (records.len() as u64, bad));
     let by_type: u64 = sum.types.iter().map(|count| count.messages).sum();
-    let unknown: u64 = sum.unknown.values().map(|count| count.messages).sum();
-    assert_eq!(by_type + unknown + sum.unlisted, sum.count.messages);
+    let unknown: u64 = sum.unknown.listed.values().map(|count| count.messages).sum();
+    assert_eq!(by_type + unknown + sum.unknown.unlisted, sum.count.messages);
     for (&(sysid, compid), sender) in &sum.senders {
         let own = |one: &&Record| (one.header.sysid, one.header.compid) == (sysid, compid);
         assert_eq!(sender.count.messages, records.iter().filter(own).count() as u64);

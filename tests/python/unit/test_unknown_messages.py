@@ -19,9 +19,9 @@ T0 = 1_700_000_000_000_000
 KIND = "id 180 with CRC_EXTRA 5"
 
 
-def frame(msgid: int, crc_extra: int, payload: bytes, seq: int) -> bytes:
+def frame(msgid: int, crc_extra: int, payload: bytes, seq: int, system: int = 1) -> bytes:
     """A frame of version 1."""
-    body = bytes([len(payload), seq, 1, 1, msgid]) + payload
+    body = bytes([len(payload), seq, system, 1, msgid]) + payload
     return b"\xfe" + body + mavlink.x25crc(body + bytes([crc_extra])).crc.to_bytes(2, "little")
 
 
@@ -60,6 +60,29 @@ def test_types_that_are_chosen_leave_nothing_out(vendor: Path, tmp_path: Path) -
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert len(mavwire.read(vendor, "HEARTBEAT")["HEARTBEAT"]) == 20
+
+
+def test_other_systems_and_times_leave_nothing_out(tmp_path: Path) -> None:
+    path = write(
+        tmp_path / "two.tlog",
+        *(frame(180, 5, bytes([n, 0, 60]), n, system=1 + n % 2) for n in range(40)),
+    )
+    with pytest.warns(UnknownMessageWarning, match=f"17 of {KIND}"):
+        mavwire.read(path, systems=[1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mavwire.read(path, systems=[3])
+        mavwire.read(path, start=(T0 + 40) * 1e-6)
+
+
+def test_info_merges_the_kinds_of_an_id(tmp_path: Path) -> None:
+    frames = [frame(180, 5 + n % 2, bytes([n, 0, 60]), n, system=1 + n % 2) for n in range(40)]
+    info = mavwire.open_log(write(tmp_path / "two.tlog", *frames)).info()
+    assert info.unknown == {(180, 5): 17, (180, 6): 17}
+    count = info.types["UNKNOWN_180"]
+    assert count.messages == 34
+    assert (count.first, count.last) == ((T0 + 6) * 1e-6, (T0 + 39) * 1e-6)
+    assert count.seconds == pytest.approx(33e-6)
 
 
 def test_read_and_scan_warn(vendor: Path) -> None:

@@ -29,7 +29,7 @@ pub fn summary<E: From<Error>>(
                 let moment = sum.add_time(time, gap);
                 let table = survey.table_of[usize::from(place.layout)];
                 if table == NO_TABLE {
-                    sum.unlisted += 1;
+                    sum.unknown.unlisted += 1;
                 } else {
                     sum.types[usize::from(table)].add(moment);
                 }

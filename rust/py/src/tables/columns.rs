@@ -26,7 +26,7 @@ use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
 
 /// What to read: the attributes of the object that `LogColumns` is given.
-#[derive(FromPyObject)]
+#[derive(Default, FromPyObject)]
 #[allow(clippy::struct_excessive_bools)] // the fields are attributes of a Python object
 pub(crate) struct Query {
     /// Message ids; `None` for all.
@@ -115,17 +115,14 @@ impl Query {
         let (wanted, options) = (self.wanted(dialect), self.options());
         let (steps, framing, limits) = (Steps::default(), log.framing(), self.limits());
         let reader = Reader::new(steps, source, framing, registry, wanted, options, limits)?;
-        self.checked(Box::new(reader.with_size(size)))
+        self.check_times(reader.has_times())?;
+        Ok(Box::new(reader.with_size(size)))
     }
 
-    /// The reader, unless it cannot tell which records are of the time that is wanted.
-    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
+    /// Refuses a log without times if only records of some time are wanted.
+    pub(crate) fn check_times(&self, has_times: bool) -> Result<(), Error> {
         let any_time = self.start.is_none() && self.end.is_none();
-        if any_time || self.untimed || reader.has_times() {
-            Ok(reader)
-        } else {
-            Err(Error::Untimed)
-        }
+        if any_time || self.untimed || has_times { Ok(()) } else { Err(Error::Untimed) }
     }
 }
 
@@ -222,7 +219,7 @@ impl LogColumns {
 /// Messages that the dialect does not know, by id and `crc_extra`.
 pub(crate) fn unknown_counts(counts: &UnknownCounts) -> BTreeMap<Option<(u32, u8)>, u64> {
     let listed = counts.listed.iter();
-    let listed = listed.map(|(kind, &count)| (Some((kind.msgid, kind.crc_extra)), count));
+    let listed = listed.map(|(kind, one)| (Some((kind.msgid, kind.crc_extra)), one.messages));
     listed.chain((counts.unlisted > 0).then_some((None, counts.unlisted))).collect()
 }
 
@@ -263,10 +260,12 @@ pub(crate) fn log_summary<'py>(
     for (message, count) in messages.iter().zip(&sum.types).filter(|(_, c)| c.messages > 0) {
         types.set_item(&message.name, count_row(count))?;
     }
-    for (msgid, count) in &sum.unknown {
+    for (msgid, count) in &sum.unknown.by_id() {
         types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
     }
-    Ok(summary_dict(py, &sum, types)?)
+    let dict = summary_dict(py, &sum, types)?;
+    dict.set_item("unknown", unknown_counts(&sum.unknown))?;
+    Ok(dict)
 }
 
 /// Tells Python how far a run is, and heeds the user's wish to stop.
@@ -302,8 +301,7 @@ pub(crate) fn summary_dict<'py>(
     dict.set_item("stamped", sum.stamped)?;
     dict.set_item("count", count_row(&sum.count))?;
     dict.set_item("types", types)?;
-    dict.set_item("unlisted", sum.unlisted)?;
-    dict.set_item("unknown", unknown_counts(&sum.unknown_kinds))?;
+    dict.set_item("unlisted", sum.unknown.unlisted)?;
     dict.set_item("senders", senders)?;
     dict.set_item("gaps", &sum.gaps)?;
     dict.set_item("gap_count", sum.gap_count)?;

@@ -45,7 +45,8 @@ impl DataflashTables {
         let (open, options) = (|| self.log.open(), query.options());
         let survey = Arc::clone(&self.survey);
         let reader = dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?;
-        query.checked(Box::new(reader))
+        query.check_times(reader.has_times())?;
+        Ok(Box::new(reader))
     }
 }
 

@@ -6,10 +6,9 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use mavwire_columns::Error;
 use mavwire_columns::input::framing_of;
-use mavwire_columns::scan::Framing;
-use mavwire_core::frame::Header;
+use mavwire_columns::scan::{Framing, UNKNOWN};
+use mavwire_columns::select::Wanted;
 use mavwire_core::registry::Entry;
 use mavwire_core::scan::Resync;
 use mavwire_io::files;
@@ -20,8 +19,8 @@ use crate::dialect::registry::Dialect;
 use crate::message::create;
 use crate::message::object::Message;
 use crate::python::error::Result;
-use crate::python::lists::optional_list;
 use crate::sync::lock::Lock;
+use crate::tables::columns::Query;
 use mavwire_core::frame::FrameBytes;
 use mavwire_core::parser::{Parser, Step};
 use mavwire_io::log_reader::LogReader;
@@ -63,6 +62,21 @@ impl Batch {
         self.found.push(Scanned { len: frame.len() as u16, index, link, time });
     }
 
+    /// Appends a message if it is wanted.
+    fn push_wanted(
+        &mut self,
+        wanted: &Wanted,
+        frame: &[u8],
+        entry: Option<Entry>,
+        time: f64,
+        link: u8,
+    ) {
+        let index = entry.map(|entry| entry.index);
+        if wanted.wants_frame(index.unwrap_or(UNKNOWN), frame, time) {
+            self.push(frame, index, time, link);
+        }
+    }
+
     fn append(&mut self, other: &Self) {
         self.bytes.extend_from_slice(&other.bytes);
         self.found.extend_from_slice(&other.found);
@@ -82,54 +96,11 @@ impl Batch {
     }
 }
 
-/// Which messages are wanted.
-struct Filter {
-    /// By message index; `None` for all.
-    types: Option<Vec<bool>>,
-    /// Ids that the dialect does not know; `None` for all.
-    unknown: Option<Vec<u32>>,
-    /// By system id; `None` for all.
-    systems: Option<Box<[bool; 256]>>,
-    start: f64,
-    end: f64,
-}
-
-impl Filter {
-    fn wants(&self, header: &Header, entry: Option<Entry>, time: f64) -> bool {
-        let type_wanted = match entry {
-            Some(entry) => self.wants_type(entry.index),
-            None => self.unknown.as_ref().is_none_or(|ids| ids.contains(&header.msgid)),
-        };
-        type_wanted && self.wants_system(header.sysid) && self.wants_time(time)
-    }
-
-    /// The same for a good frame of a known message.
-    #[inline]
-    fn wants_plain(&self, index: u16, frame: &[u8], time: f64) -> bool {
-        let from = || Header::parse(frame).is_some_and(|header| self.wants_system(header.sysid));
-        self.wants_type(index) && self.wants_time(time) && (self.systems.is_none() || from())
-    }
-
-    #[inline]
-    fn wants_type(&self, index: u16) -> bool {
-        self.types.as_ref().is_none_or(|types| types[usize::from(index)])
-    }
-
-    fn wants_system(&self, sysid: u8) -> bool {
-        self.systems.as_ref().is_none_or(|systems| systems[usize::from(sysid)])
-    }
-
-    #[inline]
-    fn wants_time(&self, time: f64) -> bool {
-        time >= self.start && time < self.end
-    }
-}
-
 /// The file, and how it is read.
 struct Source {
     reader: LogReader,
     parser: Parser,
-    filter: Filter,
+    wanted: Wanted,
     /// Why reading failed, until what was read before is handed out.
     failed: Option<io::Error>,
 }
@@ -174,7 +145,7 @@ impl Source {
             return Ok(false);
         };
         let (len, time, link) = (record.len, record.time, record.link);
-        if self.filter.wants_plain(record.index, record.stream, time) {
+        if self.wanted.wants_frame(record.index, record.stream, time) {
             batch.push(&record.stream[..len], Some(record.index), time, link);
         }
         self.reader.accept(len, time, link);
@@ -184,12 +155,10 @@ impl Source {
     /// The next good record; true at the end of the log.
     fn find(&mut self, dialect: &Dialect, batch: &mut Batch) -> io::Result<bool> {
         match self.reader.next_record(&dialect.registry)? {
-            AtOffset::Record { len, header, entry, .. } => {
+            AtOffset::Record { len, entry, .. } => {
                 let (time, link) = (self.reader.time, self.reader.link);
                 let frame = self.reader.last(len - self.reader.lead())?;
-                if self.filter.wants(&header, entry, time) {
-                    batch.push(frame, entry.map(|entry| entry.index), time, link);
-                }
+                batch.push_wanted(&self.wanted, frame, entry, time, link);
                 Ok(false)
             }
             AtOffset::Junk { .. } => Ok(false),
@@ -200,11 +169,9 @@ impl Source {
     /// The next message of those that pymavlink's reader gives; true at the end of the log.
     fn hop(&mut self, dialect: &Dialect, batch: &mut Batch) -> io::Result<bool> {
         match self.reader.next(&mut self.parser, &dialect.registry, true)?.0 {
-            Step::Frame { bytes, header, entry } => {
+            Step::Frame { bytes, entry, .. } => {
                 let (time, link) = (self.reader.time, self.reader.link);
-                if self.filter.wants(&header, entry, time) {
-                    batch.push(&bytes, entry.map(|entry| entry.index), time, link);
-                }
+                batch.push_wanted(&self.wanted, &bytes, entry, time, link);
                 Ok(false)
             }
             Step::Nothing => Ok(true),
@@ -304,62 +271,27 @@ impl LogScan {
     }
 }
 
-/// What to look for: the arguments of `LogScan` behind path and dialect.
-#[derive(FromPyObject)]
-struct Wanted {
-    /// Known message ids.
-    #[pyo3(from_py_with = optional_list)]
-    types: Option<Vec<u32>>,
-    /// Ids unknown to the dialect.
-    #[pyo3(from_py_with = optional_list)]
-    unknown: Option<Vec<u32>>,
-    #[pyo3(from_py_with = optional_list)]
-    systems: Option<Vec<u8>>,
-    start: Option<f64>,
-    end: Option<f64>,
-}
-
-impl Wanted {
-    fn filter(self, dialect: &Dialect) -> Filter {
-        let types = self.types.map(|ids| {
-            let messages = &dialect.registry.dialect().messages;
-            messages.iter().map(|message| ids.contains(&message.id)).collect()
-        });
-        let systems = self.systems.map(|ids| {
-            let mut systems = Box::new([false; 256]);
-            for id in ids {
-                systems[usize::from(id)] = true;
-            }
-            systems
-        });
-        Filter {
-            types,
-            unknown: self.unknown,
-            systems,
-            start: self.start.unwrap_or(f64::NEG_INFINITY),
-            end: self.end.unwrap_or(f64::INFINITY),
-        }
-    }
-}
-
 #[pymethods]
 impl LogScan {
-    /// A run over the log at `path` from its start on; `wanted` has the attributes `types`, `unknown`, `systems`,
-    /// `start` and `end`, each `None` for everything. `ValueError` for a time where records have none.
+    /// A run over the log at `path` from its start on. `ValueError` for a time where records have none.
     #[new]
-    fn new(path: PathBuf, dialect: Py<Dialect>, rescan: bool, wanted: Wanted) -> Result<Self> {
+    #[pyo3(signature = (path, dialect, rescan, query=None))]
+    fn new(
+        path: PathBuf,
+        dialect: Py<Dialect>,
+        rescan: bool,
+        query: Option<Query>,
+    ) -> Result<Self> {
+        let query = query.unwrap_or_default();
         let framing = framing_of(files::open(&path)?, &dialect.get().registry)?;
-        let is_timed = wanted.start.is_some() || wanted.end.is_some();
-        if is_timed && framing == Framing::Raw {
-            return Err(Error::Untimed.into());
-        }
+        query.check_times(framing == Framing::Stamped)?;
         let reader = LogReader::open(&path, framing, 0.0)?;
         let mut parser = Parser::new();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
-        let filter = wanted.filter(dialect.get());
+        let wanted = query.wanted(dialect.get());
         Ok(Self {
             dialect,
-            source: Mutex::new(Some(Source { reader, parser, filter, failed: None })),
+            source: Mutex::new(Some(Source { reader, parser, wanted, failed: None })),
             ready: Lock::new(Batch::default()),
         })
     }
