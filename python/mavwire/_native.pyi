@@ -94,7 +94,6 @@ __all__ = [
     "StreamWriter",
     "SystemState",
     "TlsPort",
-    "Track",
     "__version__",
     "accept",
     "add_message",
@@ -673,23 +672,6 @@ def describe(main: str, sources: dict[str, str]) -> dict[str, Any]:
 
     `{"messages": {name: (text, {field: text})}, "enums": {enum: {entry: (text, {index: text})}}}`
     """
-
-@final
-class Track:
-    """The length of a way in `metres`, and the positions (degrees) at its `start` and `end`."""
-
-    def __new__(cls) -> Self: ...
-    @property
-    def metres(self) -> float: ...
-    @property
-    def start(self) -> tuple[float, float] | None: ...
-    @property
-    def end(self) -> tuple[float, float] | None: ...
-    def add(self, lat: float, lon: float, stamp: object) -> None:
-        """Goes on to a position, in degrees. One whose stamp is the last one's is the same one."""
-
-    def follow(self, message: object) -> None:
-        """Goes on to the position that a `GPS_RAW_INT` tells, if it has a fix."""
 
 def x25_accumulate(crc: int, data: bytes) -> int:
     """Continues a CRC-16/MCRF4XX from `crc` over `data`."""

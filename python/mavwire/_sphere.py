@@ -1,4 +1,4 @@
-"""Distances on a spherical Earth, for whoever needs them without all of mavextra."""
+"""Distances on a spherical Earth, for modules that do not need all of mavextra."""
 
 from __future__ import annotations
 

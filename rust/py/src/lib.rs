@@ -132,8 +132,6 @@ mod _native {
     use crate::tables::rewrite::LogRewrite;
     #[pymodule_export]
     use crate::tables::table::RecordBatches;
-    #[pymodule_export]
-    use crate::tables::track::Track;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -13,4 +13,3 @@ pub(crate) mod open_log;
 pub(crate) mod rewrite;
 pub(crate) mod source;
 pub(crate) mod table;
-pub(crate) mod track;

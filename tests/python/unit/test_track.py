@@ -6,11 +6,15 @@ from collections.abc import Callable
 from itertools import pairwise
 from math import nan, radians
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import pytest
-from mavwire._native import Message, Track
 from mavwire._sphere import great_circle
+from mavwire.cli.logs._track import Track
 from mavwire.dialects.v20.common import MAVLink, MAVLink_gps_raw_int_message
+
+if TYPE_CHECKING:
+    from mavwire._native import Message
 
 PLACES = [(47.0, 8.0), (47.1, 8.1), (-33.0, 179.9), (-33.0, -179.9), (90.0, 0.0)]
 

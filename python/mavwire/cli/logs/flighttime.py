@@ -6,13 +6,12 @@ import time
 from argparse import ArgumentParser, Namespace
 from typing import Any, NamedTuple
 
-from mavwire._native import Track
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._times import minutes
+from mavwire.cli.logs._track import FIX_3D, Track
 
 TYPES = ("GPS_RAW_INT", "GPS")
-FIX_3D = 3
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import Any, NamedTuple
 
-from mavwire._native import Track
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._times import local_time
+from mavwire.cli.logs._track import Track
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
 # Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
