@@ -214,7 +214,7 @@ class Dialect:
     def enums(self) -> list[_EnumRow]:
         """All enums, each with its end marker as the last entry."""
 
-    def layout_bytes(self, types: set[int] | None = None) -> bytes:
+    def layout_text(self, types: set[int] | None = None) -> str:
         """What tables of some messages are made of, or of all; it differs where any of it does."""
 
     def invalid_fields(self, frame: bytes) -> dict[str, list[bool]]:

@@ -166,7 +166,7 @@ def _asked(selection: Selection) -> dict[str, Any]:
 def _fingerprint(native: Any, selection: Selection) -> str:
     """What tells the definitions of the wanted messages from others under the same name."""
     types = None if selection.types is None else set(selection.types)
-    told = hashlib.sha256(native.layout_bytes(types))
+    told = hashlib.sha256(native.layout_text(types).encode())
     if (
         selection.enum_names or selection.invalid == "null"
     ):  # `invalid` may be the name of an enum's value

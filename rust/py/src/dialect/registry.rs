@@ -13,7 +13,7 @@ use mavwire_schema::{
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyByteArray, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::message::create;
 use crate::message::info::{Info, MessageInfo};
@@ -273,20 +273,21 @@ impl Dialect {
         Ok(rows)
     }
 
-    /// What tables of some messages are made of, or of all, as bytes that differ where any of it does.
+    /// A text that differs where the tables of some messages, or of all, differ.
     #[pyo3(signature = (types=None))]
-    fn layout_bytes<'py>(
-        &self,
-        py: Python<'py>,
-        types: Option<HashSet<u32>>,
-    ) -> Bound<'py, PyBytes> {
-        let mut bytes = Vec::new();
-        for message in &self.registry.dialect().messages {
-            if types.as_ref().is_none_or(|some| some.contains(&message.id)) {
-                put_message(&mut bytes, message);
-            }
-        }
-        PyBytes::new(py, &bytes)
+    fn layout_text(&self, types: Option<HashSet<u32>>) -> String {
+        let messages = &self.registry.dialect().messages;
+        let wanted =
+            messages.iter().filter(|m| types.as_ref().is_none_or(|ids| ids.contains(&m.id)));
+        let of_message = |m: &SchemaMessage| {
+            let fields = m.fields.iter().map(|f| {
+                let told = [&f.units, &f.enum_name, &f.display, &f.multiplier, &f.invalid];
+                format!("{:?}", (&f.name, f.field_type, f.array_length, told))
+            });
+            let fields: Vec<_> = fields.collect();
+            format!("{:?}", (m.id, &m.name, m.crc_extra, m.instance_field, fields))
+        };
+        wanted.map(of_message).collect()
     }
 
     /// The fields of a frame that have invalid values: for each element, whether it is invalid.
@@ -329,30 +330,6 @@ impl Dialect {
         visit.call(self.make_class.get())?;
         self.special.get().into_iter().flatten().try_for_each(|class| visit.call(class))
     }
-}
-
-fn put_message(bytes: &mut Vec<u8>, message: &SchemaMessage) {
-    bytes.extend_from_slice(&message.id.to_be_bytes());
-    put_text(bytes, Some(&message.name));
-    // 255 is no field: a message has 64 at most.
-    let instance = message.instance_field.unwrap_or(u8::MAX);
-    bytes.extend_from_slice(&[message.crc_extra, instance, message.fields.len() as u8]);
-    for field in &message.fields {
-        bytes.extend_from_slice(&[field.field_type as u8, field.array_length]);
-        put_text(bytes, Some(&field.name));
-        let told =
-            [&field.units, &field.enum_name, &field.display, &field.multiplier, &field.invalid];
-        for text in told {
-            put_text(bytes, text.as_deref());
-        }
-    }
-}
-
-/// The length first: what follows each other stays apart.
-fn put_text(bytes: &mut Vec<u8>, text: Option<&str>) {
-    let len = text.map_or(u64::MAX, |text| text.len() as u64);
-    bytes.extend_from_slice(&len.to_be_bytes());
-    bytes.extend_from_slice(text.unwrap_or_default().as_bytes());
 }
 
 fn end_name(definition: &mavwire_schema::Enum) -> String {
