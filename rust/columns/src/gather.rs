@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
-use std::str::FromStr;
 
 use arrow::array::NullBufferBuilder;
 use mavwire_core::codec::{read, text_bytes};
@@ -51,35 +50,31 @@ pub(crate) fn place_of(source: &Source) -> (usize, usize) {
     }
 }
 
-pub(crate) fn parse<T: FromStr + Default>(
-    values: &mut Vec<T>,
-    text: &[u8],
-    valid: &mut NullBufferBuilder,
-) {
-    let value = parsed(text);
-    valid.append(value.is_some());
-    values.push(value.unwrap_or_default());
-}
-
-fn parsed<T: FromStr>(text: &[u8]) -> Option<T> {
-    std::str::from_utf8(text).ok()?.trim().parse().ok()
-}
-
-/// A number as a text log has it, if it is one of the field's type.
-pub(crate) fn number_in(text: &[u8], source: &Source) -> Option<f64> {
+/// The bits of a number as a text log has it, if it is one of the field's type.
+pub(crate) fn number_in(text: &[u8], source: &Source, scale: Option<Scale>) -> Option<u64> {
     let (Source::Numbers(field) | Source::Half(field)) = source else { return None };
-    match field.field_type {
-        FieldType::Char | FieldType::U8 => parsed::<u8>(text).map(f64::from),
-        FieldType::I8 => parsed::<i8>(text).map(f64::from),
-        FieldType::U16 => parsed::<u16>(text).map(f64::from),
-        FieldType::I16 => parsed::<i16>(text).map(f64::from),
-        FieldType::U32 => parsed::<u32>(text).map(f64::from),
-        FieldType::I32 => parsed::<i32>(text).map(f64::from),
-        FieldType::U64 => parsed::<u64>(text).map(|number| number as f64),
-        FieldType::I64 => parsed::<i64>(text).map(|number| number as f64),
-        FieldType::F32 => parsed::<f32>(text).map(f64::from),
-        FieldType::F64 => parsed(text),
+    let text = std::str::from_utf8(text).ok()?.trim();
+    macro_rules! parsed {
+        ($type:ty) => {{
+            let number: $type = text.parse().ok()?;
+            match scale {
+                Some(scale) => scale.apply(number as f64).to_bits(),
+                None => u64::from_le_bytes(read(&number.to_le_bytes(), 0)),
+            }
+        }};
     }
+    Some(match field.field_type {
+        FieldType::Char | FieldType::U8 => parsed!(u8),
+        FieldType::I8 => parsed!(i8),
+        FieldType::U16 => parsed!(u16),
+        FieldType::I16 => parsed!(i16),
+        FieldType::U32 => parsed!(u32),
+        FieldType::I32 => parsed!(i32),
+        FieldType::U64 => parsed!(u64),
+        FieldType::I64 => parsed!(i64),
+        FieldType::F32 => parsed!(f32),
+        FieldType::F64 => parsed!(f64),
+    })
 }
 
 #[inline]
@@ -120,19 +115,20 @@ pub(crate) fn each_valid(
 }
 
 /// The numbers of a field, scaled.
-pub(crate) fn gather_scaled(values: &mut Vec<f64>, rows: &Rows<'_>, source: &Source, scale: Scale) {
+pub(crate) fn gather_scaled(values: &mut Vec<u64>, rows: &Rows<'_>, source: &Source, scale: Scale) {
     let (Source::Numbers(field) | Source::Half(field)) = source else { return };
     let place = place_of(source);
     macro_rules! each {
         ($type:ty) => {
-            gather(values, rows, place, |bytes| scale.apply(<$type>::from_le_bytes(bytes) as f64))
+            gather(values, rows, place, |bytes| {
+                scale.apply(<$type>::from_le_bytes(bytes) as f64).to_bits()
+            })
         };
     }
     match field.field_type {
         FieldType::F32 if matches!(source, Source::Half(_)) => {
-            gather(values, rows, place, |bytes| {
-                scale.apply(half(u16::from_le_bytes(bytes)) as f32 as f64)
-            });
+            let float = |bytes| half(u16::from_le_bytes(bytes)) as f32 as f64;
+            gather(values, rows, place, |bytes| scale.apply(float(bytes)).to_bits());
         }
         FieldType::Char | FieldType::U8 => each!(u8),
         FieldType::I8 => each!(i8),

@@ -290,7 +290,7 @@ pub(crate) fn names_len(message: &Message, dialect: &Dialect) -> usize {
     message.fields.iter().filter_map(of_field).sum()
 }
 
-fn element_type(field_type: FieldType) -> DataType {
+pub(crate) fn element_type(field_type: FieldType) -> DataType {
     match field_type {
         FieldType::Char | FieldType::U8 => DataType::UInt8,
         FieldType::I8 => DataType::Int8,

@@ -52,8 +52,7 @@ struct LongTexts {
 impl TableBuilder {
     /// An empty table.
     pub fn new(layout: Arc<Layout>) -> Self {
-        let stamped = layout.framing.lead() > 0;
-        let columns = layout.columns.iter().map(|column| Growing::new(column, stamped)).collect();
+        let columns = layout.columns.iter().map(Growing::new).collect();
         Self { layout, columns, rows: 0, room: 0, recent: 0, long_texts: None }
     }
 
@@ -193,7 +192,8 @@ impl TableBuilder {
     /// What arrow says; a mistake of this crate.
     pub fn take(&mut self) -> Result<RecordBatch, ArrowError> {
         let arrays = self.columns.iter_mut().zip(&self.layout.columns);
-        let arrays = arrays.map(|(growing, column)| growing.take(column)).collect();
+        let arrays =
+            arrays.map(|(growing, column)| growing.take(column)).collect::<Result<_, _>>()?;
         let rows = std::mem::take(&mut self.rows);
         self.room = 0;
         let options = arrow::array::RecordBatchOptions::new().with_row_count(Some(rows));
