@@ -10,12 +10,10 @@
 //!   such a frame.
 //!
 //! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, the `unknown`
-//! module for what re-scanning makes of message ids that the dialect does not define, the `other` module for ids that the
-//! dialect defines in another way, and the `signature` module for signed frames of a log that lost bytes where no checksum
-//! tells.
+//! module for what re-scanning makes of message ids that the dialect does not define, and the `other` module for ids that the
+//! dialect defines in another way.
 
 mod other;
-mod signature;
 mod unknown;
 mod window;
 
@@ -25,8 +23,6 @@ use crate::frame::{
 use crate::registry::{Entry, Registry};
 use crate::x25;
 use other::{OtherDefinitions, fits};
-pub(crate) use signature::InLog;
-use signature::Signature;
 use unknown::UnknownIds;
 use window::Window;
 
@@ -93,8 +89,6 @@ pub struct Scanner {
     window: Window,
     unknown: UnknownIds,
     other: OtherDefinitions,
-    /// `None` for a stream.
-    log: Option<InLog>,
     /// The front directly follows a good frame or the start of the stream.
     in_sync: bool,
 }
@@ -109,14 +103,8 @@ impl Scanner {
             window: Window::default(),
             unknown: UnknownIds::default(),
             other: OtherDefinitions::default(),
-            log: None,
             in_sync: true,
         }
-    }
-
-    /// Tells that the frame at the front is one of a log: a signed one is asked what follows it (see the `signature` module).
-    pub(crate) fn set_log(&mut self, log: InLog) {
-        self.log = Some(log);
     }
 
     /// The policy it was made with.
@@ -242,10 +230,6 @@ impl Scanner {
     #[inline(always)]
     #[allow(clippy::inline_always)] // as above
     fn next_rescan(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> Found {
-        // Asked outright, since a stream is none of a log's: 3% of its scanning otherwise.
-        if self.log.is_some() && self.looks_behind(unread) {
-            return self.next_in_doubt(unread, registry, at_end);
-        }
         // Nearly always a good frame follows a good frame.
         if !self.window.is_open()
             && let found @ Found::Frame { len, entry: Some(_), .. } =
@@ -263,17 +247,6 @@ impl Scanner {
         let found = match self.judge(unread, 0, registry, at_end) {
             None => short_or_noise(unread),
             Some(Verdict::Need { total }) => Found::Incomplete { needed: total },
-            Some(Verdict::Accept { len, header, entry }) if self.looks_behind(unread) => match self
-                .signature(unread, len, registry, at_end)
-            {
-                Signature::Whole => Found::Frame { len, header, entry },
-                Signature::Need { total } => Found::Incomplete { needed: total },
-                Signature::Short { next } => {
-                    let available = next.saturating_sub(self.log.map_or(0, |log| log.lead)) as u16;
-                    let error = FrameError::Truncated { needed: len as u16, available };
-                    Found::Rejected { len: next, error }
-                }
-            },
             Some(Verdict::Accept { len, header, entry }) => Found::Frame { len, header, entry },
             Some(Verdict::Reject { error }) => {
                 self.in_sync = false;
@@ -385,7 +358,7 @@ impl Scanner {
 }
 
 /// Bytes that say how long a frame is.
-pub(crate) const MIN_LOOK: usize = 3;
+const MIN_LOOK: usize = 3;
 
 #[inline]
 pub(crate) fn is_stx(byte: u8) -> bool {

@@ -216,12 +216,7 @@ impl LogReader {
     }
 
     fn rules<'a>(&self, parser: &Parser, registry: &'a Arc<Registry>) -> Rules<'a> {
-        Rules {
-            registry,
-            ignore_checksum: parser.scanner.ignore_checksum,
-            lead: self.lead(),
-            looks_behind_signed: parser.resync() == Resync::Rescan,
-        }
+        Rules { registry, ignore_checksum: parser.scanner.ignore_checksum, lead: self.lead() }
     }
 
     /// Bytes of a record in front of its frame.

@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use crate::frame::Header;
 use crate::registry::Registry;
 use crate::scan::{Resync, Scanner};
 
@@ -32,8 +31,6 @@ pub struct Rules<'a> {
     pub ignore_checksum: bool,
     /// Bytes in front of each frame.
     pub lead: usize,
-    /// A signed record counts only if another follows: its signature may have lost bytes.
-    pub looks_behind_signed: bool,
 }
 
 /// The records that were checked ahead.
@@ -42,7 +39,6 @@ pub struct Ahead {
     next: usize,
     /// What the records were checked with. The definitions are held, so that no others can take their address.
     scanner: Scanner,
-    looks_behind_signed: bool,
     registry: Option<Arc<Registry>>,
     /// Records to look at next time: few after a jump, since the next jump may be near.
     wanted: usize,
@@ -59,14 +55,7 @@ impl Ahead {
     pub fn new() -> Self {
         // A good frame is one under either policy, and this one needs no memory of what was before.
         let scanner = Scanner::new(Resync::Skip);
-        Self {
-            records: Vec::new(),
-            next: 0,
-            scanner,
-            looks_behind_signed: false,
-            registry: None,
-            wanted: 1,
-        }
+        Self { records: Vec::new(), next: 0, scanner, registry: None, wanted: 1 }
     }
 
     /// The record at `offset`, if it is known to be good.
@@ -83,7 +72,6 @@ impl Ahead {
 
     fn obeys(&self, rules: Rules<'_>) -> bool {
         self.scanner.ignore_checksum == rules.ignore_checksum
-            && self.looks_behind_signed == rules.looks_behind_signed
             && self.registry.as_ref().is_some_and(|known| Arc::ptr_eq(known, rules.registry))
     }
 
@@ -105,7 +93,6 @@ impl Ahead {
         self.next = 0;
         if !self.obeys(rules) {
             self.scanner.ignore_checksum = rules.ignore_checksum;
-            self.looks_behind_signed = rules.looks_behind_signed;
             self.registry = Some(Arc::clone(rules.registry));
         }
     }
@@ -121,21 +108,11 @@ impl Ahead {
     /// Checks the records at the front of `bytes`, which stand at `offset`.
     pub fn fill(&mut self, mut offset: u64, mut bytes: &[u8], rules: Rules<'_>) {
         self.begin(rules);
-        let mut last = bytes;
-        // One more where the last one may be left out: else a signed record would never be known ahead.
-        let wanted = self.wanted + usize::from(rules.looks_behind_signed);
-        while self.records.len() < wanted
+        while self.records.len() < self.wanted
             && let Some(len) = self.check(offset, bytes, rules)
         {
-            last = bytes;
             offset += len as u64;
             bytes = &bytes[len..];
-        }
-        if rules.looks_behind_signed
-            && let Some(frame) = last.get(rules.lead..)
-            && Header::parse(frame).is_some_and(|header| header.is_signed())
-        {
-            self.records.pop();
         }
         self.wanted = (2 * self.wanted).min(MOST);
     }
@@ -160,7 +137,7 @@ impl Ahead {
 mod tests {
     use super::*;
     use crate::builtin;
-    use crate::frame::FrameBuffer;
+    use crate::frame::{FrameBuffer, Header};
     use mavwire_schema::WireVersion::V2;
 
     #[test]
@@ -172,8 +149,7 @@ mod tests {
         let mut log = frame.repeat(4);
         let len = log.len() / 4;
         log[2 * len + 12] ^= 1;
-        let (registry, looks_behind_signed) = (&registry, false);
-        let rules = Rules { registry, ignore_checksum: false, lead: 0, looks_behind_signed };
+        let rules = Rules { registry: &registry, ignore_checksum: false, lead: 0 };
         let mut ahead = Ahead::new();
         let mut known = Vec::new();
         for offset in (0..4).map(|number| number * len) {

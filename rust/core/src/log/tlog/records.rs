@@ -7,7 +7,7 @@
 use super::{STAMP_LEN, Stamp};
 use crate::frame::Header;
 use crate::registry::{Entry, Registry};
-use crate::scan::{Found, InLog, Resync, Scanner};
+use crate::scan::{Found, Resync, Scanner};
 
 /// What stands at the front of the unread bytes of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,8 +106,6 @@ impl RecordScanner {
         }
         let mut junk = 0;
         loop {
-            let time = if self.lead > 0 { Stamp::parse(&unread[junk..]) } else { None };
-            self.scanner.set_log(InLog { lead: self.lead, time: time.map(Stamp::micros) });
             match self.next_frame(&frames[junk..], registry, at_end) {
                 Found::Frame { len, header, entry } if junk == 0 => {
                     return self.record(unread, len, header, entry);

@@ -4,12 +4,11 @@
 //! good record of a known message with nothing in doubt, it takes that record, and then stands like that again. So runs of
 //! such records can be looked for everywhere at once and by guess. A guess that was wrong is never reached by the scanner;
 //! one that it reaches at a record's start is what it would have found itself, and it passes over the rest of the run.
-//! The last record of a run is left to it where that is signed, since it looks behind signed frames.
 
 use std::ops::Range;
 
 use super::RecordScanner;
-use crate::frame::{Header, SIGNATURE_LEN};
+use crate::frame::SIGNATURE_LEN;
 use crate::registry::Registry;
 use crate::scan::{Resync, Scanner, distance_to_stx};
 
@@ -35,8 +34,6 @@ pub struct Run {
     pub bytes: Range<usize>,
     /// Its records in [`Runs::records`].
     pub records: Range<usize>,
-    /// The last record is signed: whether its signature is whole is for what follows to say, which is not in the run.
-    pub ends_signed: bool,
 }
 
 /// What was found in a stretch.
@@ -74,9 +71,7 @@ pub fn find_runs(bytes: &[u8], stretch: Range<usize>, lead: usize, registry: &Re
         }
         if at > start {
             let records = first..found.records.len();
-            let last = found.records[records.end - 1].at as usize + lead;
-            let ends_signed = Header::parse(&bytes[last..]).is_some_and(|last| last.is_signed());
-            found.runs.push(Run { bytes: start..at, records, ends_signed });
+            found.runs.push(Run { bytes: start..at, records });
             continue;
         }
         if guesses == 0 {
@@ -105,12 +100,8 @@ impl RecordScanner {
         if !self.is_settled() || !run.bytes.contains(&at) {
             return None;
         }
-        let (mut sure, mut end) = (run.records.clone(), run.bytes.end);
-        if run.ends_signed {
-            sure.end -= 1;
-            end = records[sure.end].at as usize;
-        }
-        let inside = records[sure.clone()].binary_search_by_key(&at, |r| r.at as usize);
-        Some((sure.start + inside.ok()?..sure.end, end))
+        let Range { start, end } = run.records;
+        let inside = records[start..end].binary_search_by_key(&at, |r| r.at as usize);
+        Some((start + inside.ok()?..end, run.bytes.end))
     }
 }
