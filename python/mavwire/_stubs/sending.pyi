@@ -7,30 +7,18 @@ from .links import LiveLink
 
 @final
 class Exclusive:
-    """A lock that nobody waits for: whoever does not get it leaves the work to the one who has it.
+    """A lock that no thread waits for: a thread that does not get it leaves the work to its owner.
 
     It is taken and released in one call with the work in between, so that the exception of a signal
-    handler leaves it free wherever it is raised. What a thread had that a fork left behind is free.
+    handler leaves it free wherever it is raised. A thread that a fork left behind holds nothing.
     """
 
     def __new__(cls) -> Exclusive: ...
     def run(self, act: Callable[..., Any], *args: Any) -> Any:
-        """`act(*args)`; None, with nothing done, while somebody has the turn."""
-
-    def start(
-        self,
-        start_thread: Callable[[Callable[..., object], tuple[Any, ...]], object],
-        is_due: Callable[[], object],
-        act: Callable[[], object],
-    ) -> bool:
-        """If `is_due()`, runs `act()` in a thread that `start_thread(function, arguments)` starts; whether
-        it does. Nothing is done while somebody has the turn, which ends with that thread."""
-
-    def _go_on(self, number: int, act: Callable[[], object]) -> None:
-        """What the thread does that was started with the turn as its own."""
+        """`act(*args)`; None, with nothing done, while another call has the turn."""
 
     def locked(self) -> bool:
-        """Whether somebody has it."""
+        """Whether a call has the turn."""
 
 @final
 class Section:

@@ -108,18 +108,20 @@ class ReconnectingLink(RetryingLink):
 
     def _begin_attempt(self) -> bool:
         """Begin to connect beside the caller; False if nobody asked, or it is too early or under way."""
-        if not self.autoreconnect or self._closed:
+        is_due = self.port is None and monotonic() >= self._next_attempt
+        if not self.autoreconnect or self._closed or not is_due or self._connecting.locked():
             return False
+        self._next_attempt = monotonic() + IDLE_INTERVAL  # the thread may begin later
         try:
-            return self._connecting.start(start_new_thread, self._is_due, self._attempt)
+            start_new_thread(self._connecting.run, (self._attempt,))
         except RuntimeError:  # there is no thread to be had, as at the end of the program
             self._put_off()
             return False
-
-    def _is_due(self) -> bool:
-        return self.port is None and monotonic() >= self._next_attempt
+        return True
 
     def _attempt(self) -> None:
+        if self.port is not None:
+            return
         try:
             self._use(self._connected())
         except OSError as error:  # not there yet
@@ -144,7 +146,7 @@ class ReconnectingLink(RetryingLink):
             self._next_attempt = 0.0
 
     def select(self, timeout: float) -> bool:
-        """Wait until data may be there; while it is being connected, not for long."""
-        if self.fd is None and self._connecting.locked():
+        """Wait until data may be there; for a connection, not for long."""
+        if self.fd is None and self.autoreconnect:
             timeout = min(timeout, IDLE_INTERVAL)
         return super().select(timeout)

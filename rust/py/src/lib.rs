@@ -137,7 +137,6 @@ mod _native {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         require_interpreter_lock(module.py())?;
         crate::sync::thread_number::follow_forks(module)?;
-        crate::sync::thread_lock::prepare(module.py())?;
         crate::link::replaced::prepare(module.py())?;
         crate::message::create::check_layout(module.py())?;
         module.add("FieldGetter", crate::message::descriptors::field_getter_type(module.py())?)?;

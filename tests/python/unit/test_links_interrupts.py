@@ -553,31 +553,6 @@ def test_a_turn_is_had_by_one() -> None:
     assert not turn.locked()
 
 
-def test_a_turn_may_be_a_threads_own() -> None:
-    turn, go, done = Exclusive(), threading.Event(), threading.Event()
-    started = []
-
-    def start(function: Any, arguments: Any) -> None:
-        started.append(threading.Thread(target=function, args=arguments))
-        started[-1].start()
-
-    def refuse(function: Any, arguments: Any) -> None:
-        raise RuntimeError
-
-    assert not turn.start(start, bool, done.set)
-    assert not turn.locked()
-    with pytest.raises(RuntimeError):
-        turn.start(refuse, lambda: True, done.set)
-    assert not turn.locked()
-    assert turn.start(start, lambda: True, lambda: go.wait(WAIT) and done.set())
-    assert turn.locked()
-    assert not turn.start(start, lambda: True, done.set)
-    assert turn.run(int) is None
-    go.set()
-    started[-1].join(WAIT)
-    assert (done.is_set(), turn.locked(), len(started)) == (True, False, 1)
-
-
 class Interrupted:
     """A TLS socket inside of which a signal handler raises."""
 

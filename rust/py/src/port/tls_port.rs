@@ -11,7 +11,7 @@ use pyo3::types::{PyString, PyTuple};
 use crate::port::answer::Answer;
 use crate::port::close_port::close;
 use crate::python::calling::Calling;
-use crate::sync::thread_lock::ThreadLock;
+use crate::sync::exclusive::Exclusive;
 
 /// A TLS connection as the non-blocking socket that links read and write. Waiting for the peer is no error of its own kind,
 /// and several threads may use it, which OpenSSL does not allow.
@@ -19,7 +19,7 @@ use crate::sync::thread_lock::ThreadLock;
 pub(crate) struct TlsPort {
     port: Py<PyAny>,
     /// A signal handler may write in the middle of a read.
-    lock: ThreadLock,
+    using: Exclusive,
     /// Why nobody knows what was sent or received.
     torn: OnceLock<&'static str>,
     /// Closed, or about to be by the thread that is in the middle of a call.
@@ -47,7 +47,7 @@ impl TlsPort {
     }
 
     fn close_unless_used(&self, py: Python<'_>) -> PyResult<()> {
-        let Some(_guard) = self.lock.try_lock(py) else { return Ok(()) };
+        let Some(_turn) = self.using.take() else { return Ok(()) };
         close(self.port.bind(py))
     }
 
@@ -57,8 +57,7 @@ impl TlsPort {
         args: impl IntoPyObject<'py, Target = PyTuple>,
     ) -> Answer<'py> {
         let py = name.py();
-        let guard = self.lock.lock(py)?;
-        if guard.is_inherited() {
+        if self.using.free_after_fork() {
             let _ = self.torn.set("the TLS connection is the parent process's");
         }
         if self.is_closed.load(SeqCst) {
@@ -67,6 +66,9 @@ impl TlsPort {
         if let Some(&reason) = self.torn.get() {
             return Ok(Err(PyConnectionAbortedError::new_err(reason)));
         }
+        let Some(_turn) = self.using.take() else {
+            return Ok(Err(PyBlockingIOError::new_err("another thread uses the TLS connection")));
+        };
         match self.port.bind(py).invoke_method1(name, args) {
             Err(error) if waits_for_peer(py, &error)? => {
                 let waits = PyBlockingIOError::new_err("TLS waits for the peer");
@@ -105,7 +107,7 @@ impl TlsPort {
     #[new]
     fn new(port: Py<PyAny>) -> Self {
         let is_closed = AtomicBool::new(false);
-        Self { port, lock: ThreadLock::new(), torn: OnceLock::new(), is_closed }
+        Self { port, using: Exclusive::free(), torn: OnceLock::new(), is_closed }
     }
 
     /// Up to `n` bytes.

@@ -37,7 +37,7 @@ pub(super) fn in_turn<'py>(
 /// what it is written to may be the program's own, and is gone past.
 fn begin<'a>(mav: &'a Bound<'_, MAVLink>) -> PyResult<ThreadGuard<'a>> {
     let sending = mav.get().sending();
-    let guard = sending.lock.lock_or_pass(mav.py())?;
+    let guard = sending.lock.lock(mav.py())?;
     if guard.is_beside() {
         sending.advance(sending.seq()); // the other frame has this number
     }

@@ -1,4 +1,4 @@
-//! `Exclusive`: work that is done by one thread, and which the others do not wait for.
+//! `Exclusive`: work that one thread does, and that the others leave to it without waiting.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -7,10 +7,10 @@ use crate::python::calling::Calling;
 use crate::sync::thread_number;
 use crate::sync::thread_owner::Owner;
 
-/// A lock that nobody waits for: whoever does not get it leaves the work to the one who has it.
+/// A lock that no thread waits for: a thread that does not get it leaves the work to its owner.
 ///
 /// It is taken and released in one call with the work in between, so that the exception of a signal handler leaves it free
-/// wherever it is raised. What a thread had that a fork left behind is free.
+/// wherever it is raised. A thread that a fork left behind holds nothing.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct Exclusive {
     owner: Owner,
@@ -21,29 +21,21 @@ impl Exclusive {
         Self { owner: Owner::new() }
     }
 
-    /// `None` while somebody has it, be it this thread.
+    /// `None` while a thread holds it, be it this one.
     #[inline]
     pub(crate) fn take(&self) -> Option<TurnGuard<'_>> {
-        self.take_as(thread_number::current())
-    }
-
-    fn take_as(&self, number: u64) -> Option<TurnGuard<'_>> {
-        self.free_after_fork();
+        let number = thread_number::current();
         self.owner.claim(number).then(|| TurnGuard { turn: self, number })
     }
 
-    /// Whether a thread had it that does not exist in this process; then nobody has it any more.
+    /// Frees it if its owner was left behind by a fork; whether it was.
     #[inline]
     pub(crate) fn free_after_fork(&self) -> bool {
         self.owner.is_gone() && self.owner.replace(self.owner.number(), 0)
     }
-
-    fn is_taken(&self) -> bool {
-        self.owner.number() != 0 && !self.owner.is_gone()
-    }
 }
 
-/// While it lives, nobody else has the turn.
+/// While it lives, no other call has the turn.
 pub(crate) struct TurnGuard<'a> {
     turn: &'a Exclusive,
     number: u64,
@@ -63,7 +55,7 @@ impl Exclusive {
         Self::free()
     }
 
-    /// `act(*args)`; `None`, with nothing done, while somebody has the turn.
+    /// `act(*args)`; `None`, with nothing done, while another call has the turn.
     #[pyo3(signature = (act, *args))]
     fn run<'py>(
         &self,
@@ -74,35 +66,8 @@ impl Exclusive {
         act.invoke1(args).map(Some)
     }
 
-    /// If `is_due()`, runs `act()` in a thread that `start_thread(function, arguments)` starts; whether it does. Nothing is
-    /// done while somebody has the turn, which ends with that thread.
-    fn start(
-        slf: &Bound<'_, Self>,
-        start_thread: &Bound<'_, PyAny>,
-        is_due: &Bound<'_, PyAny>,
-        act: &Bound<'_, PyAny>,
-    ) -> PyResult<bool> {
-        let py = slf.py();
-        let number = thread_number::reserve();
-        let Some(turn) = slf.get().take_as(number) else { return Ok(false) };
-        if !is_due.invoke1(())?.is_truthy()? {
-            return Ok(false);
-        }
-        let go_on = slf.getattr(intern!(py, "_go_on"))?;
-        start_thread.invoke1((go_on, (number, act)))?;
-        std::mem::forget(turn);
-        Ok(true)
-    }
-
-    /// What the thread does that was started with the turn as its own.
-    fn _go_on(&self, number: u64, act: &Bound<'_, PyAny>) -> PyResult<()> {
-        let _turn = TurnGuard { turn: self, number };
-        act.invoke1(())?;
-        Ok(())
-    }
-
-    /// Whether somebody has it.
+    /// Whether a call has the turn.
     fn locked(&self) -> bool {
-        self.is_taken()
+        self.owner.number() != 0 && !self.owner.is_gone()
     }
 }

@@ -22,11 +22,6 @@ pub(crate) fn current() -> u64 {
     NUMBER.with(|number| *number)
 }
 
-/// A number that is no thread's: of what a thread is going to do that was not started yet.
-pub(crate) fn reserve() -> u64 {
-    NEXT.fetch_add(1, SeqCst)
-}
-
 /// Whether the thread with this number was left behind by a fork.
 pub(crate) fn is_gone(number: u64) -> bool {
     number < FIRST.load(SeqCst) && number != SURVIVOR.load(SeqCst)

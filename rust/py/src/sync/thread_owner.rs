@@ -24,14 +24,17 @@ impl Owner {
         owner != 0 && thread_number::is_gone(owner)
     }
 
-    /// Takes it if nobody has it.
+    /// Takes it if no thread of this process holds it.
     #[inline]
     pub(crate) fn claim(&self, number: u64) -> bool {
-        self.replace(0, number)
+        let is_free = self.number() == 0 || self.is_gone();
+        if is_free {
+            self.0.store(number, Relaxed);
+        }
+        is_free
     }
 
     /// Takes it from its owner; false if another thread has it by now.
-    #[inline]
     pub(crate) fn replace(&self, owner: u64, number: u64) -> bool {
         let is_owner = self.number() == owner;
         if is_owner {
