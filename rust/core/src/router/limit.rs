@@ -115,15 +115,12 @@ impl Limiter {
             return false; // asks for no bytes
         }
         let is_urgent = self.urgent.contains(&msgid);
-        let bytes = self.bytes.as_ref();
-        if bytes.is_some_and(|bytes| !bytes.allows(stream, len, is_urgent, number, now)) {
+        let passes = |bytes: &ByteRate| bytes.admit(stream, len, is_urgent, number, now);
+        if !self.bytes.as_ref().is_none_or(passes) {
             return false;
         }
         if let Some(interval) = interval {
             self.streams.advance(stream, interval, now);
-        }
-        if let Some(bytes) = bytes {
-            bytes.charge(len, now);
         }
         true
     }
