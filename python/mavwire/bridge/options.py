@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from itertools import product
 
 from .border import (
     AUTOMATION_OPTIONS,
@@ -26,8 +27,10 @@ DEFAULT_BAUD = 115200
 # The longest frame there is, which every receiver has room for.
 MAX_FRAME_LEN = 280
 HEARTBEAT = 0
-_DIRECTIONS = ("in", "out")
+_VERBS = ("allow", "block")
 _LISTS = ("messages", "systems", "components")
+Filter = list[tuple[bool, str, list[int]]]
+"""What may pass in one direction: lists that allow or block, and what they are about."""
 
 
 @dataclass(frozen=True)
@@ -45,18 +48,6 @@ class Endpoint:
             return f"{self.kind}:{self.address}:{self.baud}"
         host = f"[{self.address}]" if ":" in self.address else self.address
         return f"{self.kind}:{host}:{self.port}"
-
-
-@dataclass(frozen=True)
-class Filter:
-    """What may pass in one direction, by ids; None allows all."""
-
-    allow_messages: list[int] | None = None
-    block_messages: list[int] = field(default_factory=list)
-    allow_systems: list[int] | None = None
-    block_systems: list[int] = field(default_factory=list)
-    allow_components: list[int] | None = None
-    block_components: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -107,8 +98,8 @@ class EndpointOptions:
     group_number: int | None = None
     private: bool = False
     sniffer: bool = False
-    inbound: Filter = Filter()
-    outbound: Filter = Filter()
+    inbound: Filter = field(default_factory=list)
+    outbound: Filter = field(default_factory=list)
     border: Border = field(default_factory=Border)
     automation: Automation = field(default_factory=Automation)
     bytes_per_second: float | None = None
@@ -133,8 +124,7 @@ def endpoint_options(
         "name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes",
         "datagram_bytes", "forward_unverified", "peer_timeout", "retry", "urgent", "read_only", "silent",
         *BORDER_OPTIONS, *AUTOMATION_OPTIONS,
-        *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
-          for way in _DIRECTIONS),
+        *map("_".join, product(_VERBS, _LISTS, ("in", "out"))),
     }  # fmt: skip
     only_known(options, known)
 
@@ -180,22 +170,19 @@ def _filter(
 ) -> Filter:
     """The filter of one direction; the option `closed` lets nothing pass."""
     if flag(closed, options.get(closed, False)):
-        return Filter(allow_messages=[])
-
-    def ids(verb: str, what: str) -> list[int] | None:
+        return [(True, "messages", [])]
+    lists = []
+    for verb, what in product(_VERBS, _LISTS):
         name = f"{verb}_{what}_{way}"
         values = options.get(name)
-        if values is None:
-            return None
-        if what == "messages":
-            return message_ids(name, values)
-        return [whole(name, value, 255) for value in listed(name, values)]
-
-    return Filter(
-        ids("allow", "messages"), ids("block", "messages") or [],
-        ids("allow", "systems"), ids("block", "systems") or [],
-        ids("allow", "components"), ids("block", "components") or [],
-    )  # fmt: skip
+        if values is not None:
+            ids = (
+                message_ids(name, values)
+                if what == "messages"
+                else [whole(name, value, 255) for value in listed(name, values)]
+            )
+            lists.append((verb == "allow", what, ids))
+    return lists
 
 
 def _urgent(messages: list[int], bytes_per_second: float | None) -> list[int]:

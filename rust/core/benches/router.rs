@@ -7,7 +7,9 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mavwire_core::builtin;
 use mavwire_core::frame::{self, Header};
 use mavwire_core::registry::{Entry, Registry};
-use mavwire_core::router::{ByteRate, Fate, Filter, Limits, LinkId, LinkOptions, Router, Settings};
+use mavwire_core::router::{
+    ByteRate, Fate, Filter, Limits, LinkId, LinkOptions, Part, Router, Settings,
+};
 use mavwire_core::schema::WireVersion;
 use std::hint::black_box;
 
@@ -50,7 +52,7 @@ fn routing(c: &mut Criterion) {
     let dialect = builtin::dialect("ardupilotmega", WireVersion::V2).expect("it is built in");
     let registry = Registry::new(dialect);
     let filtered = LinkOptions {
-        outbound: Filter::default().block_messages([1, 2, 3]),
+        outbound: Filter::default().block(Part::Messages, [1, 2, 3]),
         limits: Limits { message_rate: Some(1e9), ..Limits::default() },
         ..LinkOptions::default()
     };

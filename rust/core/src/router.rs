@@ -23,7 +23,7 @@ mod links;
 mod table;
 
 pub use byte_rate::ByteRate;
-pub use filter::Filter;
+pub use filter::{Filter, Part};
 pub use limit::Limits;
 pub use links::{LinkId, LinkSet, MAX_LINKS};
 pub use table::ComponentStats;

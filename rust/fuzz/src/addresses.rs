@@ -1,7 +1,7 @@
 //! Addresses of peers and places where links lead: as text, and as the operating system has them.
 
 use mavwire_io::address::Address;
-use mavwire_io::bridge::Endpoint;
+use mavwire_io::bridge::{Endpoint, NetKind};
 
 use crate::input::Input;
 
@@ -36,11 +36,11 @@ fn numeric(address: &Address) {
 fn shown(kind: u8, text: &str, port: u16, baud: u32) {
     let host = text.to_owned();
     let endpoint = match kind % 6 {
-        0 => Endpoint::UdpClient { host, port },
-        1 => Endpoint::UdpServer { host, port },
-        2 => Endpoint::UdpBroadcast { host, port },
-        3 => Endpoint::TcpClient { host, port },
-        4 => Endpoint::TcpServer { host, port },
+        0 => Endpoint::Net { kind: NetKind::UdpClient, host, port },
+        1 => Endpoint::Net { kind: NetKind::UdpServer, host, port },
+        2 => Endpoint::Net { kind: NetKind::UdpBroadcast, host, port },
+        3 => Endpoint::Net { kind: NetKind::TcpClient, host, port },
+        4 => Endpoint::Net { kind: NetKind::TcpServer, host, port },
         _ => Endpoint::Serial { path: text.into(), baud, flow_control: false },
     };
     let words = ["udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial"];

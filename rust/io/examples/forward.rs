@@ -8,7 +8,7 @@ use mavwire_core::registry::Registry;
 use mavwire_core::router::Settings;
 use mavwire_core::schema::WireVersion;
 use mavwire_core::signing::SecretKey;
-use mavwire_io::bridge::{Bridge, Endpoint, LinkSpec, PortSpec};
+use mavwire_io::bridge::{Bridge, Endpoint, LinkSpec, NetKind, PortSpec};
 use std::error::Error;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::Arc;
@@ -33,7 +33,11 @@ fn frames(registry: &Registry) -> Result<Vec<u8>, Box<dyn Error>> {
 fn spec(case: &str, port: u16) -> Result<LinkSpec, Box<dyn Error>> {
     let mut spec = LinkSpec {
         name: "out".into(),
-        endpoint: Endpoint::UdpClient { host: Ipv4Addr::LOCALHOST.to_string(), port },
+        endpoint: Endpoint::Net {
+            kind: NetKind::UdpClient,
+            host: Ipv4Addr::LOCALHOST.to_string(),
+            port,
+        },
         port: PortSpec { queue: 256 << 10, ..PortSpec::default() },
         peer_timeout: LIMIT,
         retry: None,

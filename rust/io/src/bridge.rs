@@ -39,7 +39,7 @@ mod switch;
 mod tap;
 
 pub use automation::AutomationOptions;
-pub use endpoint::{Endpoint, LinkSpec, PortSpec};
+pub use endpoint::{Endpoint, LinkSpec, NetKind, PortSpec};
 pub use frames::{FrameInfo, Frames};
 pub use hub::{Hub, Kind, Latest};
 pub use recorder::{Recording, RecordingStats};

@@ -2,13 +2,20 @@
 
 use crate::frame::Header;
 
+/// What a list of a filter is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Message ids.
+    Messages,
+    /// Systems that frames come from.
+    Systems,
+    /// Components that frames come from.
+    Components,
+}
+
 /// Lists of what may pass. Without a list everything may; a block list beats an allow list.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Filter {
-    messages: Ids,
-    systems: Ids,
-    components: Ids,
-}
+pub struct Filter([Ids; 3]);
 
 /// Numbers that are let through; the lists are sorted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -37,51 +44,23 @@ fn sorted(ids: impl IntoIterator<Item = u32>) -> Box<[u32]> {
 }
 
 impl Filter {
-    /// Lets only these message ids pass.
+    /// Lets only these numbers pass.
     #[must_use]
-    pub fn allow_messages(mut self, ids: impl IntoIterator<Item = u32>) -> Self {
-        self.messages.allow = Some(sorted(ids));
+    pub fn allow(mut self, part: Part, ids: impl IntoIterator<Item = u32>) -> Self {
+        self.0[part as usize].allow = Some(sorted(ids));
         self
     }
 
-    /// Stops these message ids.
+    /// Stops these numbers.
     #[must_use]
-    pub fn block_messages(mut self, ids: impl IntoIterator<Item = u32>) -> Self {
-        self.messages.block = sorted(ids);
-        self
-    }
-
-    /// Lets only frames of these systems pass.
-    #[must_use]
-    pub fn allow_systems(mut self, ids: impl IntoIterator<Item = u8>) -> Self {
-        self.systems.allow = Some(sorted(ids.into_iter().map(u32::from)));
-        self
-    }
-
-    /// Stops frames of these systems.
-    #[must_use]
-    pub fn block_systems(mut self, ids: impl IntoIterator<Item = u8>) -> Self {
-        self.systems.block = sorted(ids.into_iter().map(u32::from));
-        self
-    }
-
-    /// Lets only frames of these components pass.
-    #[must_use]
-    pub fn allow_components(mut self, ids: impl IntoIterator<Item = u8>) -> Self {
-        self.components.allow = Some(sorted(ids.into_iter().map(u32::from)));
-        self
-    }
-
-    /// Stops frames of these components.
-    #[must_use]
-    pub fn block_components(mut self, ids: impl IntoIterator<Item = u8>) -> Self {
-        self.components.block = sorted(ids.into_iter().map(u32::from));
+    pub fn block(mut self, part: Part, ids: impl IntoIterator<Item = u32>) -> Self {
+        self.0[part as usize].block = sorted(ids);
         self
     }
 
     /// Nothing is stopped.
     pub fn is_open(&self) -> bool {
-        self.messages.is_open() && self.systems.is_open() && self.components.is_open()
+        self.0.iter().all(Ids::is_open)
     }
 
     /// Whether a frame may pass.
@@ -93,14 +72,14 @@ impl Filter {
     /// Whether a message from a system and component may pass.
     #[inline]
     pub fn admits(&self, msgid: u32, sysid: u8, compid: u8) -> bool {
-        self.messages.accept(msgid)
-            && self.systems.accept(sysid.into())
-            && self.components.accept(compid.into())
+        let [messages, systems, components] = &self.0;
+        messages.accept(msgid) && systems.accept(sysid.into()) && components.accept(compid.into())
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::Part::{Components, Messages, Systems};
     use super::*;
     use crate::testing::header;
     use mavwire_schema::WireVersion::V2;
@@ -109,19 +88,19 @@ mod tests {
     fn lists_let_pass_and_stop() {
         let cases = [
             (Filter::default(), true),
-            (Filter::default().allow_messages([30, 0]), true),
-            (Filter::default().allow_messages([31]), false),
-            (Filter::default().allow_messages([]), false),
-            (Filter::default().block_messages([30]), false),
-            (Filter::default().block_messages([31, 29]), true),
-            (Filter::default().allow_messages([30]).block_messages([30]), false),
-            (Filter::default().allow_systems([7, 1]), true),
-            (Filter::default().allow_systems([2]), false),
-            (Filter::default().block_systems([1]), false),
-            (Filter::default().allow_components([1]), true),
-            (Filter::default().block_components([1]), false),
-            (Filter::default().allow_systems([1]).block_components([1]), false),
-            (Filter::default().allow_messages([30]).allow_systems([2]), false),
+            (Filter::default().allow(Messages, [30, 0]), true),
+            (Filter::default().allow(Messages, [31]), false),
+            (Filter::default().allow(Messages, []), false),
+            (Filter::default().block(Messages, [30]), false),
+            (Filter::default().block(Messages, [31, 29]), true),
+            (Filter::default().allow(Messages, [30]).block(Messages, [30]), false),
+            (Filter::default().allow(Systems, [7, 1]), true),
+            (Filter::default().allow(Systems, [2]), false),
+            (Filter::default().block(Systems, [1]), false),
+            (Filter::default().allow(Components, [1]), true),
+            (Filter::default().block(Components, [1]), false),
+            (Filter::default().allow(Systems, [1]).block(Components, [1]), false),
+            (Filter::default().allow(Messages, [30]).allow(Systems, [2]), false),
         ];
         for (filter, passes) in cases {
             assert_eq!(filter.accept(&header(V2, 30, 0)), passes, "{filter:?}");

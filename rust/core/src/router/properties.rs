@@ -109,12 +109,12 @@ proptest! {
     #[test]
     fn filters_commute_with_routing(
         frames in prop::collection::vec((1..4_u8, 1..3_u8, 0..4_u8), 1..40),
-        blocked in prop::collection::vec(1..4_u8, 0..3),
-        allowed in prop::option::of(prop::collection::vec(1..3_u8, 0..3)),
+        blocked in prop::collection::vec(1..4_u32, 0..3),
+        allowed in prop::option::of(prop::collection::vec(1..3_u32, 0..3)),
     ) {
-        let mut filter = Filter::default().block_systems(blocked);
+        let mut filter = Filter::default().block(Part::Systems, blocked);
         if let Some(allowed) = allowed {
-            filter = filter.allow_components(allowed);
+            filter = filter.allow(Part::Components, allowed);
         }
         let open = LinkOptions::default;
         let at_exit = LinkOptions { outbound: filter.clone(), ..open() };

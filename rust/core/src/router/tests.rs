@@ -263,8 +263,8 @@ fn copies_from_another_link_are_dropped_and_teach_nothing() {
 
 #[test]
 fn filters_and_limits_take_their_share() {
-    let inbound = Filter::default().block_messages([30]);
-    let outbound = Filter::default().allow_systems([2]);
+    let inbound = Filter::default().block(Part::Messages, [30]);
+    let outbound = Filter::default().allow(Part::Systems, [2]);
     let limits = Limits { message_rates: vec![(0, 1.0)], ..Limits::default() };
     let links = [
         LinkOptions { inbound, ..LinkOptions::default() },
@@ -285,7 +285,7 @@ fn filters_and_limits_take_their_share() {
 fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
     let link = |sign| LinkOptions {
         limits: Limits { bytes_per_second: Some(ByteRate::new(3_400.0)), ..Limits::default() },
-        outbound: Filter::default().block_messages([30]),
+        outbound: Filter::default().block(Part::Messages, [30]),
         border: BorderOptions { sign, ..BorderOptions::default() },
         ..LinkOptions::default()
     };

@@ -17,42 +17,47 @@ use super::{serial, socket_options};
 /// How long a connection may take to come about.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Where a link leads. A host is a name or a numeric address.
+/// A kind of network endpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NetKind {
+    /// Datagrams to and from one address.
+    UdpClient,
+    /// Datagrams from anyone; answers go to each peer that sent a good frame.
+    UdpServer,
+    /// Datagrams to a broadcast address; answers come back to the port that they left from.
+    UdpBroadcast,
+    /// A connection to a server, made again whenever it ends.
+    TcpClient,
+    /// Connections from anyone.
+    TcpServer,
+}
+
+/// How users call each kind.
+const WORDS: [(NetKind, &str); 5] = [
+    (NetKind::UdpClient, "udpout"),
+    (NetKind::UdpServer, "udpin"),
+    (NetKind::UdpBroadcast, "udpbcast"),
+    (NetKind::TcpClient, "tcp"),
+    (NetKind::TcpServer, "tcpin"),
+];
+
+impl NetKind {
+    /// The kind that users call by a word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        WORDS.iter().find(|row| row.1 == word).map(|row| row.0)
+    }
+}
+
+/// Where a link leads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Endpoint {
-    /// Datagrams to and from one address.
-    UdpClient {
-        /// Its host.
+    /// A network address.
+    Net {
+        /// Whether to listen, to connect or to send there.
+        kind: NetKind,
+        /// A name or a numeric address; of a server, the address to listen on.
         host: String,
-        /// Its port.
-        port: u16,
-    },
-    /// Datagrams from anyone; answers go to each peer that sent a good frame.
-    UdpServer {
-        /// The address to listen on.
-        host: String,
-        /// The port to listen on; 0 for any that is free.
-        port: u16,
-    },
-    /// Datagrams to a broadcast address; answers come back to the port that they left from.
-    UdpBroadcast {
-        /// The broadcast address.
-        host: String,
-        /// The port there.
-        port: u16,
-    },
-    /// A connection to a server, made again whenever it ends.
-    TcpClient {
-        /// Its host.
-        host: String,
-        /// Its port.
-        port: u16,
-    },
-    /// Connections from anyone.
-    TcpServer {
-        /// The address to listen on.
-        host: String,
-        /// The port to listen on.
+        /// The port; a server with 0 listens on any that is free.
         port: u16,
     },
     /// A serial port, opened again when it comes back.
@@ -68,25 +73,13 @@ pub enum Endpoint {
 
 impl fmt::Display for Endpoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = match self {
-            Self::UdpClient { .. } => "udpout",
-            Self::UdpServer { .. } => "udpin",
-            Self::UdpBroadcast { .. } => "udpbcast",
-            Self::TcpClient { .. } => "tcp",
-            Self::TcpServer { .. } => "tcpin",
-            Self::Serial { .. } => "serial",
-        };
         match self {
-            Self::UdpClient { host, port }
-            | Self::UdpServer { host, port }
-            | Self::UdpBroadcast { host, port }
-            | Self::TcpClient { host, port }
-            | Self::TcpServer { host, port } => {
-                let bare = !host.contains(':');
-                let (open, close) = if bare { ("", "") } else { ("[", "]") };
+            Self::Net { kind, host, port } => {
+                let word = WORDS.iter().find(|row| row.0 == *kind).map_or("", |row| row.1);
+                let (open, close) = if host.contains(':') { ("[", "]") } else { ("", "") };
                 write!(f, "{word}:{open}{host}{close}:{port}")
             }
-            Self::Serial { path, baud, .. } => write!(f, "{word}:{}:{baud}", path.display()),
+            Self::Serial { path, baud, .. } => write!(f, "serial:{}:{baud}", path.display()),
         }
     }
 }
@@ -198,77 +191,59 @@ pub(super) enum Opened {
     Dialled(Option<Connection>),
 }
 
-impl Opened {
-    /// The port that a server listens on.
-    fn server_port(&self) -> io::Result<Option<u16>> {
-        let address = match self {
-            Self::DatagramServer(socket) => socket.local_addr()?,
-            Self::Listener(listener) => listener.local_addr()?,
-            Self::Datagrams(..) | Self::Dialled(_) => return Ok(None),
-        };
-        Ok(Some(address.port()))
-    }
-}
-
 impl Endpoint {
     /// Opens what opens at once. A server that was to listen on any port, 0, has its own from then on.
     pub(super) fn open(&mut self) -> io::Result<Opened> {
-        let opened = self.opened()?;
-        if let Self::UdpServer { port, .. } | Self::TcpServer { port, .. } = self {
-            *port = opened.server_port()?.unwrap_or(*port);
-        }
-        Ok(opened)
-    }
-
-    fn opened(&self) -> io::Result<Opened> {
-        match self {
-            // A network that is not there yet is no mistake.
-            Self::UdpClient { host, port } => match connect_datagrams(host, *port) {
-                Err(error) if is_way_gone(&error) => Ok(Opened::Dialled(None)),
-                done => Ok(Opened::Dialled(Some(Connection::Datagrams(done?)))),
+        let (kind, host, port) = match self {
+            Self::Net { kind, host, port } => (*kind, host.as_str(), port),
+            Self::Serial { path, baud, flow_control } => {
+                let file = serial::open(path, *baud, *flow_control)?;
+                return Ok(Opened::Dialled(Some(Connection::Stream(Stream::Serial(file)))));
+            }
+        };
+        Ok(match kind {
+            NetKind::UdpClient => match connect_datagrams(host, *port) {
+                // A network that is not there yet is no mistake.
+                Err(error) if is_way_gone(&error) => Opened::Dialled(None),
+                done => Opened::Dialled(Some(Connection::Datagrams(done?))),
             },
-            Self::UdpBroadcast { host, port } => {
+            NetKind::UdpBroadcast => {
                 let to = resolve(host, *port)?[0];
                 let socket = prepared(UdpSocket::bind(any(to))?)?;
                 socket.set_broadcast(true)?;
-                Ok(Opened::Datagrams(socket, to))
+                Opened::Datagrams(socket, to)
             }
-            Self::UdpServer { host, port } => {
-                Ok(Opened::DatagramServer(prepared(UdpSocket::bind((host.as_str(), *port))?)?))
+            NetKind::UdpServer => {
+                let socket = prepared(UdpSocket::bind((host, *port))?)?;
+                *port = socket.local_addr()?.port();
+                Opened::DatagramServer(socket)
             }
-            Self::TcpServer { host, port } => {
-                let listener = TcpListener::bind((host.as_str(), *port))?;
+            NetKind::TcpServer => {
+                let listener = TcpListener::bind((host, *port))?;
                 listener.set_nonblocking(true)?;
-                Ok(Opened::Listener(listener))
+                *port = listener.local_addr()?.port();
+                Opened::Listener(listener)
             }
             // A name that nobody knows is a mistake; a server that is not there yet is none.
-            Self::TcpClient { host, port } => {
-                resolve(host, *port)?;
-                Ok(Opened::Dialled(None))
-            }
-            Self::Serial { path, baud, flow_control } => {
-                let file = serial::open(path, *baud, *flow_control)?;
-                Ok(Opened::Dialled(Some(Connection::Stream(Stream::Serial(file)))))
-            }
-        }
+            NetKind::TcpClient => resolve(host, *port).map(|_| Opened::Dialled(None))?,
+        })
     }
 
     /// Connects, however long that takes; `patience` as for [`Stream::tcp`].
     pub(super) fn dial(&self, patience: Duration) -> io::Result<Connection> {
         match self {
-            Self::Serial { path, baud, flow_control } => {
-                serial::open(path, *baud, *flow_control).map(Stream::Serial)
+            Self::Serial { path, baud, flow_control } => serial::open(path, *baud, *flow_control)
+                .map(|file| Connection::Stream(Stream::Serial(file))),
+            Self::Net { kind: NetKind::TcpClient, host, port } => {
+                first_of(host, *port, |address| {
+                    let stream = TcpStream::connect_timeout(&address, CONNECT_TIMEOUT)?;
+                    Stream::tcp(stream, patience).map(Connection::Stream)
+                })
             }
-            Self::TcpClient { host, port } => first_of(host, *port, |address| {
-                let stream = TcpStream::connect_timeout(&address, CONNECT_TIMEOUT)?;
-                Stream::tcp(stream, patience)
-            }),
-            Self::UdpClient { host, port } => {
-                return connect_datagrams(host, *port).map(Connection::Datagrams);
+            Self::Net { host, port, .. } => {
+                connect_datagrams(host, *port).map(Connection::Datagrams)
             }
-            _ => Err(io::ErrorKind::Unsupported.into()),
         }
-        .map(Connection::Stream)
     }
 }
 
@@ -330,7 +305,7 @@ mod tests {
     fn a_connection_ends_that_nobody_acknowledges() {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let port = listener.local_addr().unwrap().port();
-        let endpoint = Endpoint::TcpClient { host: "127.0.0.1".into(), port };
+        let endpoint = Endpoint::Net { kind: NetKind::TcpClient, host: "127.0.0.1".into(), port };
         for (patience, expected) in [(60_000, [60_000, 30, 10]), (250, [250, 1, 1])] {
             let connection = endpoint.dial(Duration::from_millis(patience)).unwrap();
             let Connection::Stream(stream) = connection else { panic!("{connection:?}") };

@@ -159,6 +159,7 @@ mod tests {
     use super::*;
     use crate::bridge::frames::testing::frames;
     use crate::bridge::hub::Hub;
+    use mavwire_core::router::Part;
 
     const LONG: Duration = Duration::from_secs(60);
 
@@ -169,7 +170,7 @@ mod tests {
     #[test]
     fn a_tap_gets_what_it_wants_in_batches_until_the_end() {
         let hub = Hub::new();
-        let wanted = Filter::default().allow_messages(0..100).allow_systems([1]);
+        let wanted = Filter::default().allow(Part::Messages, 0..100).allow(Part::Systems, [1]);
         let tap = hub.tap(wanted);
         assert!(!tap.wait(1, Duration::ZERO));
         assert_eq!(tap.take(10).map(|frames| ids(&frames)), Some(vec![]));

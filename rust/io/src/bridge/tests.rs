@@ -66,7 +66,9 @@ fn station(bridge: &Bridge, name: &str) -> UdpSocket {
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     socket.set_read_timeout(Some(LIMIT)).unwrap();
     let port = socket.local_addr().unwrap().port();
-    bridge.add(link(name, Endpoint::UdpClient { host: local(), port })).unwrap();
+    bridge
+        .add(link(name, Endpoint::Net { kind: NetKind::UdpClient, host: local(), port }))
+        .unwrap();
     socket
 }
 
@@ -92,7 +94,9 @@ fn report(bridge: &Bridge, name: &str) -> LinkReport {
 #[test]
 fn vehicles_and_stations_over_udp_find_each_other() {
     let bridge = start(None);
-    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("in", Endpoint::Net { kind: NetKind::UdpServer, host: local(), port: 0 }))
+        .unwrap();
     let server_port = server_port(&bridge, "in");
     let stations = [station(&bridge, "first"), station(&bridge, "second")];
     let vehicles: Vec<UdpSocket> = (0..2)
@@ -131,7 +135,9 @@ fn connections_are_made_and_made_again() {
     let bridge = start(None);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let port = listener.local_addr().unwrap().port();
-    bridge.add(link("server", Endpoint::TcpClient { host: local(), port })).unwrap();
+    bridge
+        .add(link("server", Endpoint::Net { kind: NetKind::TcpClient, host: local(), port }))
+        .unwrap();
     let station = station(&bridge, "station");
     for n in 1..=3 {
         let (mut stream, _) = listener.accept().unwrap();
@@ -147,7 +153,9 @@ fn connections_are_made_and_made_again() {
 #[test]
 fn one_that_reads_nothing_slows_nobody() {
     let bridge = start(None);
-    bridge.add(link("clients", Endpoint::TcpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("clients", Endpoint::Net { kind: NetKind::TcpServer, host: local(), port: 0 }))
+        .unwrap();
     let port = server_port(&bridge, "clients");
     let stalled = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
     let mut reading = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
@@ -227,7 +235,7 @@ fn links_come_and_go_while_frames_pass() {
     assert!(
         matches!(bridge.remove("second"), Err(BridgeError::NoSuchLink(name)) if name == "second")
     );
-    let again = link("first", Endpoint::UdpClient { host: local(), port: 9 });
+    let again = link("first", Endpoint::Net { kind: NetKind::UdpClient, host: local(), port: 9 });
     assert!(matches!(bridge.add(again), Err(BridgeError::NameTaken(name)) if name == "first"));
     bridge.stop();
     assert!(matches!(bridge.send(&[]), Err(BridgeError::Stopped)));
@@ -239,7 +247,9 @@ fn what_cannot_be_opened_is_told_with_its_name() {
     let bridge = start(None);
     let taken = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let port = taken.local_addr().unwrap().port();
-    let error = bridge.add(link("in", Endpoint::UdpServer { host: local(), port })).unwrap_err();
+    let error = bridge
+        .add(link("in", Endpoint::Net { kind: NetKind::UdpServer, host: local(), port }))
+        .unwrap_err();
     assert!(error.to_string().starts_with("in: "), "{error}");
     assert!(
         matches!(error, BridgeError::Io { error, .. } if error.kind() == io::ErrorKind::AddrInUse)
@@ -257,7 +267,9 @@ fn what_cannot_be_opened_is_told_with_its_name() {
 #[test]
 fn junk_is_counted_and_goes_no_further() {
     let bridge = start(None);
-    bridge.add(link("clients", Endpoint::TcpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("clients", Endpoint::Net { kind: NetKind::TcpServer, host: local(), port: 0 }))
+        .unwrap();
     let port = server_port(&bridge, "clients");
     let station = station(&bridge, "station");
     let mut hostile = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
@@ -279,7 +291,9 @@ fn junk_is_counted_and_goes_no_further() {
 #[test]
 fn what_strangers_send_to_a_udp_server_is_counted_in_its_own_entry() {
     let bridge = start(None);
-    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("in", Endpoint::Net { kind: NetKind::UdpServer, host: local(), port: 0 }))
+        .unwrap();
     let stranger = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     stranger.connect((Ipv4Addr::LOCALHOST, server_port(&bridge, "in"))).unwrap();
     let mut broken = heartbeat(9, 0);
@@ -295,7 +309,9 @@ fn what_strangers_send_to_a_udp_server_is_counted_in_its_own_entry() {
 #[test]
 fn a_program_that_sends_without_pause_stops_no_link() {
     let bridge = start(None);
-    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("in", Endpoint::Net { kind: NetKind::UdpServer, host: local(), port: 0 }))
+        .unwrap();
     let port = server_port(&bridge, "in");
     let station = station(&bridge, "station");
     let vehicle = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();

@@ -5,7 +5,7 @@
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-use mavwire_core::router::{Filter, Settings};
+use mavwire_core::router::{Filter, Part, Settings};
 use mavwire_core::telemetry::STATUSTEXT;
 use mavwire_io::bridge::{Bridge, BridgeError, Kind, Tap};
 use pyo3::exceptions::PyRuntimeError;
@@ -134,14 +134,13 @@ impl BridgeCore {
     fn tap(
         slf: Bound<'_, Self>,
         #[pyo3(from_py_with = optional_list)] messages: Option<Vec<u32>>,
-        #[pyo3(from_py_with = optional_list)] systems: Option<Vec<u8>>,
+        #[pyo3(from_py_with = optional_list)] systems: Option<Vec<u32>>,
     ) -> Result<BridgeTap> {
         let mut filter = Filter::default();
-        if let Some(ids) = messages {
-            filter = filter.allow_messages(ids);
-        }
-        if let Some(ids) = systems {
-            filter = filter.allow_systems(ids);
+        for (part, ids) in [(Part::Messages, messages), (Part::Systems, systems)] {
+            if let Some(ids) = ids {
+                filter = filter.allow(part, ids);
+            }
         }
         let bridge = &slf.get().bridge;
         let hub = bridge.hub()?;

@@ -6,15 +6,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use mavwire_core::border::BorderOptions;
-use mavwire_core::router::{ByteRate, Filter, Limits, LinkOptions, Settings};
+use mavwire_core::router::{ByteRate, Filter, Limits, LinkOptions, Part, Settings};
 use mavwire_core::schema::WireVersion;
 use mavwire_core::signing::SecretKey;
-use mavwire_io::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Recording};
+use mavwire_io::bridge::{AutomationOptions, Endpoint, LinkSpec, NetKind, PortSpec, Recording};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::python::error::Result;
-use crate::python::lists::{list, optional_bytes, optional_list};
+use crate::python::lists::{list, optional_bytes};
 
 /// A number of seconds that a program gave.
 pub(crate) fn seconds(name: &str, value: f64) -> PyResult<Duration> {
@@ -67,40 +67,22 @@ impl RecordingOption {
     }
 }
 
-/// `mavwire.bridge.options.Filter`.
+/// One list of a filter: whether it allows, what it is about, and its numbers.
 #[derive(FromPyObject)]
-struct FilterOption {
-    #[pyo3(from_py_with = optional_list)]
-    allow_messages: Option<Vec<u32>>,
-    #[pyo3(from_py_with = list)]
-    block_messages: Vec<u32>,
-    #[pyo3(from_py_with = optional_list)]
-    allow_systems: Option<Vec<u8>>,
-    #[pyo3(from_py_with = list)]
-    block_systems: Vec<u8>,
-    #[pyo3(from_py_with = optional_list)]
-    allow_components: Option<Vec<u8>>,
-    #[pyo3(from_py_with = list)]
-    block_components: Vec<u8>,
-}
+struct FilterList(bool, String, #[pyo3(from_py_with = list)] Vec<u32>);
 
-impl FilterOption {
-    fn into_filter(self) -> Filter {
-        let mut filter = Filter::default()
-            .block_messages(self.block_messages)
-            .block_systems(self.block_systems)
-            .block_components(self.block_components);
-        if let Some(ids) = self.allow_messages {
-            filter = filter.allow_messages(ids);
-        }
-        if let Some(ids) = self.allow_systems {
-            filter = filter.allow_systems(ids);
-        }
-        if let Some(ids) = self.allow_components {
-            filter = filter.allow_components(ids);
-        }
-        filter
+/// `mavwire.bridge.options.Filter`.
+fn filter(lists: &Bound<'_, PyAny>) -> PyResult<Filter> {
+    let mut filter = Filter::default();
+    for FilterList(allows, part, ids) in list(lists)? {
+        let part = match part.as_str() {
+            "messages" => Part::Messages,
+            "systems" => Part::Systems,
+            _ => Part::Components,
+        };
+        filter = if allows { filter.allow(part, ids) } else { filter.block(part, ids) };
     }
+    Ok(filter)
 }
 
 /// `mavwire.bridge.border.Border`.
@@ -165,15 +147,12 @@ struct EndpointOption {
 impl EndpointOption {
     fn into_endpoint(self) -> PyResult<Endpoint> {
         let Self { kind, address: host, port, baud, flow_control } = self;
-        Ok(match kind.as_str() {
-            "udpout" => Endpoint::UdpClient { host, port },
-            "udpin" => Endpoint::UdpServer { host, port },
-            "udpbcast" => Endpoint::UdpBroadcast { host, port },
-            "tcp" => Endpoint::TcpClient { host, port },
-            "tcpin" => Endpoint::TcpServer { host, port },
-            "serial" => Endpoint::Serial { path: host.into(), baud, flow_control },
-            _ => return Err(PyValueError::new_err(format!("no kind of endpoint: {kind:?}"))),
-        })
+        if kind == "serial" {
+            return Ok(Endpoint::Serial { path: host.into(), baud, flow_control });
+        }
+        let wrong = || PyValueError::new_err(format!("no kind of endpoint: {kind:?}"));
+        let kind = NetKind::from_word(&kind).ok_or_else(wrong)?;
+        Ok(Endpoint::Net { kind, host, port })
     }
 }
 
@@ -185,8 +164,10 @@ pub(crate) struct LinkOption {
     group_number: Option<u16>,
     private: bool,
     sniffer: bool,
-    inbound: FilterOption,
-    outbound: FilterOption,
+    #[pyo3(from_py_with = filter)]
+    inbound: Filter,
+    #[pyo3(from_py_with = filter)]
+    outbound: Filter,
     border: BorderOption,
     automation: AutomationOption,
     bytes_per_second: Option<f64>,
@@ -208,8 +189,8 @@ impl LinkOption {
             group: self.group_number,
             private: self.private,
             sniffer: self.sniffer,
-            inbound: self.inbound.into_filter(),
-            outbound: self.outbound.into_filter(),
+            inbound: self.inbound,
+            outbound: self.outbound,
             limits: Limits {
                 bytes_per_second: self.bytes_per_second.map(ByteRate::new),
                 message_rate: self.message_rate,

@@ -20,7 +20,7 @@ fn no_two_links_sign_with_one_link_id() {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         socket.set_read_timeout(Some(LIMIT)).unwrap();
         let port = socket.local_addr().unwrap().port();
-        let endpoint = Endpoint::UdpClient { host: local(), port };
+        let endpoint = Endpoint::Net { kind: NetKind::UdpClient, host: local(), port };
         bridge.add(with_key(name, endpoint, false)).unwrap();
         socket
     };
@@ -39,7 +39,7 @@ fn no_two_links_sign_with_one_link_id() {
 #[test]
 fn for_a_stranger_nothing_is_dropped() {
     let bridge = start(None);
-    let endpoint = Endpoint::TcpServer { host: local(), port: 0 };
+    let endpoint = Endpoint::Net { kind: NetKind::TcpServer, host: local(), port: 0 };
     bridge.add(with_key("clients", endpoint, true)).unwrap();
     let address = (Ipv4Addr::LOCALHOST, server_port(&bridge, "clients"));
     let _stranger = TcpStream::connect(address).unwrap();
@@ -72,7 +72,9 @@ fn what_left_after_all_was_not_refused() {
 #[test]
 fn a_datagram_that_begins_with_a_frame_ends_the_wait_for_another() {
     let bridge = start(None);
-    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    bridge
+        .add(link("in", Endpoint::Net { kind: NetKind::UdpServer, host: local(), port: 0 }))
+        .unwrap();
     let vehicle = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     vehicle.connect((Ipv4Addr::LOCALHOST, server_port(&bridge, "in"))).unwrap();
     let station = station(&bridge, "station");
