@@ -15,7 +15,7 @@ use crate::row_block::Rest;
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
 use crate::select::Wanted;
 use crate::table::Expected;
-use crate::unknown::UnknownCounts;
+use crate::unknown::{self, UnknownCounts};
 
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
@@ -176,7 +176,7 @@ impl Decode for Reader {
             let consumed = scanned.consumed;
             for record in scanned.records.iter().filter(|record| record.index == UNKNOWN) {
                 if decoder.wanted.wants(block, scanner.lead(), &scanned, *record) {
-                    unknown.add(&block[record.at as usize + scanner.lead()..], None);
+                    unknown::add(unknown, &block[record.at as usize + scanner.lead()..], None);
                 }
             }
             let done = (position + consumed as u64) as f64 / size as f64;

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::input::Blocks;
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
 use crate::sequence::{Heard, Sequence};
-use crate::unknown::UnknownCounts;
+use crate::unknown::{self, UnknownCounts};
 
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
@@ -167,7 +167,7 @@ impl Summary {
             let moment = self.add_time(scanned.time(block, record.at), gap);
             let frame = &block[record.at as usize + lead..];
             if record.index == UNKNOWN {
-                self.unknown.add(frame, moment);
+                unknown::add(&mut self.unknown, frame, moment);
             } else {
                 self.types[usize::from(record.index)].add(moment);
             }

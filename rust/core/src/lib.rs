@@ -29,6 +29,7 @@ pub mod signing;
 pub mod stream;
 pub mod telemetry;
 pub mod text;
+pub mod unknown;
 pub mod x25;
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
-use mavwire_columns::unknown::UnknownCounts;
+use mavwire_columns::unknown::{self, UnknownCounts};
 use mavwire_io::files;
 use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
@@ -260,7 +260,7 @@ pub(crate) fn log_summary<'py>(
     for (message, count) in messages.iter().zip(&sum.types).filter(|(_, c)| c.messages > 0) {
         types.set_item(&message.name, count_row(count))?;
     }
-    for (msgid, count) in &sum.unknown.by_id() {
+    for (msgid, count) in &unknown::by_id(&sum.unknown) {
         types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
     }
     let dict = summary_dict(py, &sum, types)?;
