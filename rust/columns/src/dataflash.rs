@@ -1,6 +1,6 @@
 //! Dataflash logs as tables, binary and text: one for each record type, by its name.
 //!
-//! A log describes its own records, so a [`Survey`] finds the descriptions, the units and the clock. [`Reader`] then hops
+//! A log describes its own records, so a [`Survey`] finds the descriptions, the units and the clock. [`reader()`] then hops
 //! over the records, sorts them by table, and gathers field by field like the reader of telemetry logs. [`read_whole`] does
 //! both in one pass where that gives the same. Values are those of `DFReader`.
 
@@ -15,9 +15,8 @@ mod summary;
 mod survey;
 mod whole;
 
-pub use decoder::Wanted;
 pub use layout::{TableLayout, table_layout};
-pub use reader::Reader;
+pub use reader::reader;
 pub use summary::summary;
 pub use survey::{Form, Open, Survey};
-pub use whole::{Plan, Whole, read_whole};
+pub use whole::{Whole, read_whole};

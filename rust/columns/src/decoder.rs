@@ -12,19 +12,23 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::gather::{NO_TIME, PAYLOAD, Rows};
+use crate::input::Steps;
 use crate::layout::{Layout, Options, names_len};
-use crate::reader::{Batch, Limits};
+use crate::reader::{Batch, Plan, TakeIn};
 use crate::row_block::{Chosen, PIECE, RowBlock, Side, portions};
-use crate::scan::{Framing, Scanned, UNKNOWN};
+use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
 use crate::select::Wanted;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
+use crate::unknown::{self, UnknownCounts};
 
 /// The growing tables of a log.
 pub(crate) struct Decoder {
+    scanner: LogScanner,
     registry: Arc<Registry>,
     framing: Framing,
-    pub(crate) wanted: Wanted,
+    wanted: Wanted,
+    unknown: UnknownCounts,
     options: Options,
     tables: Tables,
     pieces: Vec<RowBlock>,
@@ -35,13 +39,9 @@ pub(crate) struct Decoder {
 }
 
 impl Decoder {
-    pub(crate) fn new(
-        registry: Arc<Registry>,
-        framing: Framing,
-        wanted: Wanted,
-        options: Options,
-        limits: Limits,
-    ) -> Self {
+    pub(crate) fn new(registry: Arc<Registry>, framing: Framing, steps: Steps, plan: Plan) -> Self {
+        let Plan { wanted, options, limits, .. } = plan;
+        let scanner = LogScanner::new(Arc::clone(&registry), framing).with_stretch(steps.stretch);
         let messages = &registry.dialect().messages;
         let tables = Tables::new(messages.len(), limits);
         let strides: Vec<usize> =
@@ -53,12 +53,44 @@ impl Decoder {
         let row_lens = messages.iter().zip(&strides);
         let row_lens: Vec<_> =
             row_lens.map(|(one, stride)| stride * (1 + widened) + names_len(one)).collect();
-        let pieces = Vec::new();
-        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens }
+        let (pieces, unknown) = Default::default();
+        Self {
+            scanner,
+            registry,
+            framing,
+            wanted,
+            unknown,
+            options,
+            tables,
+            pieces,
+            strides,
+            row_lens,
+        }
+    }
+}
+
+impl TakeIn for Decoder {
+    type Found = Scanned;
+
+    fn find(&mut self, block: &[u8], at_end: bool) -> Scanned {
+        let (scanned, lead) = (self.scanner.scan(block, at_end), self.framing.lead());
+        for record in scanned.records.iter().filter(|record| record.index == UNKNOWN) {
+            if self.wanted.wants(block, lead, &scanned, *record) {
+                unknown::add(&mut self.unknown, &block[record.at as usize + lead..], None);
+            }
+        }
+        scanned
     }
 
-    /// The records of a block that are taken in one after the other.
-    pub(crate) fn portions(&self, scanned: &Scanned) -> IntoIter<Range<usize>> {
+    fn unknown(&self) -> UnknownCounts {
+        self.unknown.clone()
+    }
+
+    fn extent(scanned: &Scanned) -> (usize, u64) {
+        (scanned.consumed, scanned.bad_bytes())
+    }
+
+    fn portions(&self, scanned: &Scanned) -> IntoIter<Range<usize>> {
         let own = |record: &Located| self.row_lens.get(usize::from(record.index));
         let rows_len = |records: &&[Located]| records.iter().filter_map(own).sum();
         let chunks: Vec<_> = scanned.records.chunks(PIECE).collect();
@@ -68,9 +100,7 @@ impl Decoder {
         portions.into_iter()
     }
 
-    /// Appends the wanted ones of some records of a block to their tables; `done` is the share of the log that is dealt with
-    /// behind the block. Returns the batches that are complete.
-    pub(crate) fn take_in(
+    fn take_in(
         &mut self,
         block: &[u8],
         scanned: &Scanned,
@@ -89,11 +119,12 @@ impl Decoder {
         tables.complete()
     }
 
-    /// What is left at the end; `None` the second time.
-    pub(crate) fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+    fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         self.tables.rest()
     }
+}
 
+impl Decoder {
     /// Lays the wanted ones of some records side by side, piece by piece.
     fn sort(&mut self, block: &[u8], scanned: &Scanned, some: Range<usize>) {
         let Self { framing, wanted, pieces, strides, .. } = self;

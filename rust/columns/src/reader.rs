@@ -1,7 +1,9 @@
 //! A log as record batches: reading, scanning, sorting by type and gathering, block by block.
 
 use std::io::Read;
+use std::ops::Range;
 use std::sync::Arc;
+use std::vec::IntoIter;
 
 use arrow::array::RecordBatch;
 use mavwire_core::registry::Registry;
@@ -12,10 +14,10 @@ use crate::input::{Blocks, Steps};
 use crate::layout::Options;
 use crate::pool;
 use crate::row_block::Rest;
-use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
+use crate::scan::Framing;
 use crate::select::Wanted;
 use crate::table::Expected;
-use crate::unknown::{self, UnknownCounts};
+use crate::unknown::UnknownCounts;
 
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +28,12 @@ pub struct Limits {
     pub bytes: usize,
     /// Bytes of one table that make a batch of it whatever else is allowed: the offsets of a text array have 31 bits.
     pub table_bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 impl Limits {
@@ -93,50 +101,88 @@ pub trait Decode: Send {
     }
 }
 
-/// A telemetry log being decoded.
-pub struct Reader {
+/// What to read of a log, and as which tables.
+#[derive(Debug, Clone, Default)]
+pub struct Plan {
+    /// Which records.
+    pub wanted: Wanted,
+    /// As which columns.
+    pub options: Options,
+    /// In which batches.
+    pub limits: Limits,
+    /// Bytes that the log has, or may have; 0 if that is not known. Tables get room for the rows that are to be expected.
+    pub size: u64,
+}
+
+/// A reader of a telemetry log, perhaps compressed, or of one that is known to be framed like this, and plain.
+///
+/// # Errors
+/// What reading says.
+pub fn reader(
+    steps: Steps,
+    source: Box<dyn Read + Send>,
+    framing: Option<Framing>,
+    registry: Arc<Registry>,
+    plan: Plan,
+) -> Result<Box<dyn Decode>, Error> {
+    let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
+    let (has_times, size) = (framing == Framing::Stamped, plan.size);
+    let decoder = Decoder::new(registry, framing, steps, plan);
+    Ok(Box::new(Reader::new(blocks, decoder, has_times, size)))
+}
+
+/// Records of one kind of log on their way into tables.
+pub(crate) trait TakeIn: Send {
+    /// The records of a block.
+    type Found: Send;
+
+    /// Finds the records of a block.
+    fn find(&mut self, block: &[u8], at_end: bool) -> Self::Found;
+
+    /// Bytes of a block that are dealt with, and how many of them belong to no record.
+    fn extent(found: &Self::Found) -> (usize, u64);
+
+    /// The parts of a block that are taken in one after the other.
+    fn portions(&self, found: &Self::Found) -> IntoIter<Range<usize>>;
+
+    /// Appends the wanted records of a part of a block to their tables; `done` is the share of the log that is dealt with
+    /// behind the block. Returns the batches that are complete.
+    fn take_in(
+        &mut self,
+        block: &[u8],
+        found: &Self::Found,
+        some: Range<usize>,
+        done: f64,
+    ) -> Result<Vec<Batch>, Error>;
+
+    /// What is left at the end; `None` the second time.
+    fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error>;
+
+    /// See [`Decode::unknown`].
+    fn unknown(&self) -> UnknownCounts {
+        UnknownCounts::default()
+    }
+}
+
+/// A log being decoded.
+pub(crate) struct Reader<D: TakeIn> {
     blocks: Blocks,
-    scanner: LogScanner,
-    framing: Framing,
-    decoder: Decoder,
-    rest: Option<Rest<Scanned>>,
+    decoder: D,
+    rest: Option<Rest<D::Found>>,
+    has_times: bool,
+    size: u64,
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
-    unknown: UnknownCounts,
-    size: u64,
 }
 
-impl Reader {
-    /// A reader of a log, perhaps compressed, or of one that is known to be framed like this, and plain.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn new(
-        steps: Steps,
-        source: Box<dyn Read + Send>,
-        framing: Option<Framing>,
-        registry: Arc<Registry>,
-        wanted: Wanted,
-        options: Options,
-        limits: Limits,
-    ) -> Result<Self, Error> {
-        let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
-        let decoder = Decoder::new(Arc::clone(&registry), framing, wanted, options, limits);
-        let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
-        let (rest, position, bad_bytes, unknown, size) = Default::default();
-        Ok(Self { blocks, scanner, framing, decoder, rest, position, bad_bytes, unknown, size })
-    }
-
-    /// Says how many bytes the log has, or may have: tables get room for the rows that are to be expected.
-    #[must_use]
-    pub fn with_size(mut self, bytes: u64) -> Self {
-        self.size = bytes;
-        self
+impl<D: TakeIn> Reader<D> {
+    pub(crate) fn new(blocks: Blocks, decoder: D, has_times: bool, size: u64) -> Self {
+        Self { blocks, decoder, rest: None, has_times, size, position: 0, bad_bytes: 0 }
     }
 }
 
-impl Decode for Reader {
+impl<D: TakeIn> Decode for Reader<D> {
     fn position(&self) -> u64 {
         self.position
     }
@@ -146,7 +192,7 @@ impl Decode for Reader {
     }
 
     fn unknown(&self) -> UnknownCounts {
-        self.unknown.clone()
+        self.decoder.unknown()
     }
 
     fn is_within_block(&self) -> bool {
@@ -154,7 +200,7 @@ impl Decode for Reader {
     }
 
     fn has_times(&self) -> bool {
-        self.framing == Framing::Stamped
+        self.has_times
     }
 
     fn damage(&self) -> Option<&str> {
@@ -162,35 +208,28 @@ impl Decode for Reader {
     }
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        if let Some(mut rest) = self.rest.take()
-            && let Some(some) = rest.portions.next()
+        let Self { blocks, decoder, rest, size, position, .. } = self;
+        if let Some(mut left) = rest.take()
+            && let Some(some) = left.portions.next()
         {
-            let batches = self.decoder.take_in(&rest.block, &rest.found, some, rest.done);
-            self.rest = Some(rest);
+            let batches = decoder.take_in(&left.block, &left.found, some, left.done);
+            *rest = Some(left);
             return batches.map(Some);
         }
-        let Self { blocks, scanner, decoder, rest, unknown, .. } = self;
-        let (position, size) = (self.position, self.size);
         let read = blocks.next(|block, at_end| {
-            let scanned = scanner.scan(block, at_end);
-            let consumed = scanned.consumed;
-            for record in scanned.records.iter().filter(|record| record.index == UNKNOWN) {
-                if decoder.wanted.wants(block, scanner.lead(), &scanned, *record) {
-                    unknown::add(unknown, &block[record.at as usize + scanner.lead()..], None);
-                }
-            }
-            let done = (position + consumed as u64) as f64 / size as f64;
-            let mut portions = decoder.portions(&scanned);
+            let found = decoder.find(block, at_end);
+            let (consumed, bad) = D::extent(&found);
+            let done = (*position + consumed as u64) as f64 / *size as f64;
+            let mut portions = decoder.portions(&found);
             let first = portions.next();
             let batches =
-                first.map_or(Ok(Vec::new()), |some| decoder.take_in(block, &scanned, some, done));
-            let bad: usize = scanned.bad.iter().map(std::iter::ExactSizeIterator::len).sum();
-            *rest = Rest::of(&block[..consumed], scanned, portions, done);
+                first.map_or(Ok(Vec::new()), |some| decoder.take_in(block, &found, some, done));
+            *rest = Rest::of(&block[..consumed], found, portions, done);
             (consumed, (consumed, bad, batches))
         })?;
         let Some((consumed, bad, batches)) = read else { return self.decoder.rest() };
         self.position += consumed as u64;
-        self.bad_bytes += bad as u64;
+        self.bad_bytes += bad;
         batches.map(Some)
     }
 }

@@ -47,7 +47,7 @@ impl Outcome {
         }
         self.bytes += scanned.consumed as u64;
         self.records += scanned.records.len() as u64;
-        self.bad_bytes += scanned.bad.iter().map(|range| range.len() as u64).sum::<u64>();
+        self.bad_bytes += scanned.bad_bytes();
         self.bad_places += scanned.bad.len() as u64 - u64::from(goes_on);
         self.restamped += scanned.distrusted.len() as u64;
     }

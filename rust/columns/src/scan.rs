@@ -160,6 +160,11 @@ pub fn stamp_at(block: &[u8], at: u32) -> u64 {
 }
 
 impl Scanned {
+    /// How many bytes belong to no record.
+    pub(crate) fn bad_bytes(&self) -> u64 {
+        self.bad.iter().map(|range| range.len() as u64).sum()
+    }
+
     /// The time of a record in microseconds: since 1970, or in a raw stream that of [`StreamClock`].
     #[inline]
     pub fn time(&self, block: &[u8], at: u32) -> Option<u64> {

@@ -12,6 +12,8 @@ pub struct Wanted {
     pub types: Option<Vec<bool>>,
     /// Ids that the dialect lacks; `None` for all of them.
     pub unknown: Option<Vec<u32>>,
+    /// Names of the record types of a dataflash log; `None` for all.
+    pub names: Option<Vec<String>>,
     /// By system id; `None` for all.
     pub systems: Option<Box<[bool; 256]>>,
     /// Seconds since 1970: the first that is wanted.
@@ -25,6 +27,7 @@ impl Default for Wanted {
         Self {
             types: None,
             unknown: None,
+            names: None,
             systems: None,
             start: f64::NEG_INFINITY,
             end: f64::INFINITY,
@@ -33,6 +36,11 @@ impl Default for Wanted {
 }
 
 impl Wanted {
+    /// Whether a record type of a dataflash log is wanted.
+    pub(crate) fn wants_name(&self, name: &str) -> bool {
+        self.names.as_ref().is_none_or(|names| names.iter().any(|one| one == name))
+    }
+
     /// Whether a record is wanted. A raw stream has no times to choose by.
     #[inline]
     pub(crate) fn wants(

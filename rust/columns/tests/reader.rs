@@ -8,8 +8,7 @@ use std::sync::LazyLock;
 
 use common::{damage, log, registry};
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Decode, Limits, Reader};
+use mavwire_columns::reader::{Decode, Limits, Plan};
 use mavwire_columns::select::Wanted;
 
 /// More than the block that is read at once.
@@ -21,20 +20,19 @@ static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
     bytes
 });
 
-fn reader(limits: Limits) -> Reader {
-    reader_of(Wanted::default(), limits)
+fn reader(limits: Limits) -> Box<dyn Decode> {
+    reader_of(Plan { limits, ..Plan::default() })
 }
 
-fn reader_of(wanted: Wanted, limits: Limits) -> Reader {
-    let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
-    let options = Options::default();
-    Reader::new(Steps::default(), source, None, registry, wanted, options, limits)
+fn reader_of(plan: Plan) -> Box<dyn Decode> {
+    let source = Box::new(Cursor::new(&LOG[..]));
+    mavwire_columns::reader::reader(Steps::default(), source, None, registry(), plan)
         .expect("a reader")
 }
 
 /// Wanted messages that the dialect does not define.
 fn unknown(wanted: Wanted) -> u64 {
-    let mut reader = reader_of(wanted, Limits::NONE);
+    let mut reader = reader_of(Plan { wanted, ..Plan::default() });
     while reader.advance().expect("batches").is_some() {}
     let counts = reader.unknown();
     counts.unlisted + counts.listed.values().map(|count| count.messages).sum::<u64>()

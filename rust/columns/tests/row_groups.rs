@@ -10,8 +10,7 @@ use mavwire_columns::arrow::compute::concat_batches;
 use mavwire_columns::convert::{Compression, Format, Sink};
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Decode, Limits, Reader};
-use mavwire_columns::select::Wanted;
+use mavwire_columns::reader::{Plan, reader};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 /// Batches of a type each, some of few rows.
@@ -20,16 +19,8 @@ fn batches(records: usize, si: bool) -> Vec<RecordBatch> {
     damage(&mut bytes, 4, 3);
     let options = Options { si, enum_names: si, ..Options::default() };
     let source = Box::new(Cursor::new(bytes));
-    let mut reader = Reader::new(
-        Steps::default(),
-        source,
-        None,
-        registry(),
-        Wanted::default(),
-        options,
-        Limits::NONE,
-    )
-    .expect("a reader");
+    let plan = Plan { options, ..Plan::default() };
+    let mut reader = reader(Steps::default(), source, None, registry(), plan).expect("a reader");
     let mut found = Vec::new();
     while let Some(batches) = reader.advance().expect("batches") {
         found.extend(batches.into_iter().map(|batch| batch.rows));

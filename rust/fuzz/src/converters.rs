@@ -9,13 +9,12 @@ use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::arrow::compute::{cast, concat_batches};
 use mavwire_columns::arrow::ipc::reader::FileReader;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
-use mavwire_columns::dataflash::{Reader as DataflashReader, Wanted as DataflashWanted};
+use mavwire_columns::dataflash;
 use mavwire_columns::input::{Steps, decompressed};
 use mavwire_columns::layout::{Invalid, Options};
 use mavwire_columns::mcap::{self as to_mcap, McapSink};
-use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
+use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
-use mavwire_columns::select::Wanted;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use crate::dataflash_tables::surveyed;
@@ -69,31 +68,22 @@ fn any_reader(
     options: &Options,
     limits: Limits,
 ) -> Option<Box<dyn Decode>> {
+    let plan = Plan { options: options.clone(), limits, ..Plan::default() };
     let bytes = match kind % 4 {
         0 | 1 => {
             let framing = if kind.is_multiple_of(4) { Framing::Stamped } else { Framing::Raw };
             let bytes = any_telemetry(input, framing.lead());
-            let (source, wanted) = (source(&bytes), Wanted::default());
-            let registry = Arc::clone(&ALL);
-            let reader = Reader::new(
-                Steps::default(),
-                source,
-                Some(framing),
-                registry,
-                wanted,
-                options.clone(),
-                limits,
-            );
-            return Some(Box::new(reader.expect("memory does not fail")));
+            let (source, registry) = (source(&bytes), Arc::clone(&ALL));
+            let reader = reader(Steps::default(), source, Some(framing), registry, plan);
+            return Some(reader.expect("memory does not fail"));
         }
         2 => any_dataflash(input),
         _ => any_text_log(input),
     };
     let survey = surveyed(Steps::default(), &bytes)?;
-    let wanted = DataflashWanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
     let open = || Ok(source(&bytes));
-    let reader = DataflashReader::new(survey, &open, wanted, options, limits);
-    Some(Box::new(reader.expect("memory does not fail")))
+    let reader = dataflash::reader(survey, &open, plan);
+    Some(reader.expect("memory does not fail"))
 }
 
 /// A file for each table.

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
 use mavwire_columns::arrow::datatypes::TimestampMicrosecondType;
-use mavwire_columns::dataflash::{Form, Plan, Reader, Survey, Wanted, Whole, read_whole, summary};
+use mavwire_columns::dataflash::{Form, Survey, Whole, read_whole, reader, summary};
 use mavwire_columns::error::Error;
 use mavwire_columns::input::{Steps, identify_content};
 use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Decode, Limits};
+use mavwire_columns::reader::{Limits, Plan};
 use mavwire_columns::text_encoding::head_to_utf8;
 use mavwire_core::codec::Number;
 use mavwire_core::log::dataflash::text::decode_line;
@@ -25,7 +25,6 @@ use crate::reading::{
 use crate::tables::{numbers, same};
 
 /// All records.
-const EVERYTHING: Wanted = Wanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
 
 /// What a log says about itself, read in such steps; `None` for something else than a dataflash log.
 pub(crate) fn surveyed(steps: Steps, bytes: &[u8]) -> Option<Arc<Survey>> {
@@ -42,9 +41,9 @@ pub(crate) fn tables_of(
     limits: Limits,
 ) -> (BTreeMap<u16, RecordBatch>, u64) {
     let open = || Ok(source(bytes));
-    let reader = Reader::new(Arc::clone(survey), &open, EVERYTHING, options, limits);
-    let mut reader = reader.expect("memory does not fail");
-    let tables = whole_tables(&mut reader);
+    let plan = Plan { options: options.clone(), limits, ..Plan::default() };
+    let mut reader = reader(Arc::clone(survey), &open, plan).expect("memory does not fail");
+    let tables = whole_tables(&mut *reader);
     assert_eq!(reader.position(), bytes.len() as u64);
     (tables, reader.bad_bytes())
 }
@@ -95,7 +94,7 @@ pub(crate) fn in_any_steps(
 /// The tables of a log that was not surveyed, if one pass does.
 fn in_one_pass(steps: Steps, bytes: &[u8], options: &Options, limits: Limits) -> Whole {
     let (options, size) = (options.clone(), bytes.len() as u64);
-    let plan = Plan { wanted: EVERYTHING, options, limits, size };
+    let plan = Plan { options, limits, size, ..Plan::default() };
     let open = || Ok(source(bytes));
     let whole = read_whole(steps, &open, &plan, || Ok::<_, Error>(()));
     whole.expect("memory does not fail").expect("a dataflash log")
@@ -228,6 +227,9 @@ pub(crate) fn summarised(survey: &Arc<Survey>, bytes: &[u8], records: usize, bad
     let sum = summary(survey, &open, 1_000_000, |_| Ok::<_, Error>(()));
     let sum = sum.expect("memory does not fail");
     let by_table: u64 = sum.types.iter().map(|count| count.messages).sum();
-    assert_eq!((sum.count.messages, by_table + sum.unlisted), (records as u64, records as u64));
+    assert_eq!(
+        (sum.count.messages, by_table + sum.unknown.unlisted),
+        (records as u64, records as u64)
+    );
     assert_eq!((sum.bytes, sum.bad_bytes), (bytes.len() as u64, bad));
 }

@@ -41,7 +41,7 @@ fn any_wanted(input: &mut Input<'_>) -> Wanted {
     let second = |byte: u8| 1_600_000_000.0 + f64::from(byte) / 16.0;
     let start = if flags & 2 == 0 { f64::NEG_INFINITY } else { second(input.byte()) };
     let end = if flags & 4 == 0 { f64::INFINITY } else { second(input.byte()) };
-    Wanted { types: None, unknown: None, systems, start, end }
+    Wanted { systems, start, end, ..Wanted::default() }
 }
 
 fn rewritten(

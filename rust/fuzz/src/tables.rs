@@ -12,9 +12,8 @@ use mavwire_columns::arrow::datatypes::{
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::{Invalid, Options};
-use mavwire_columns::reader::{Decode, Limits, Reader};
+use mavwire_columns::reader::{Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
-use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::Summary;
 use mavwire_core::codec::{Number, number, text_bytes};
 use mavwire_core::frame::{FrameRef, Header};
@@ -118,11 +117,10 @@ fn tables_of(
     framing: Framing,
     options: &Options,
 ) -> (BTreeMap<u16, RecordBatch>, u64) {
-    let (registry, wanted) = (Arc::clone(&ALL), Wanted::default());
-    let (source, framing) = (source(bytes), Some(framing));
-    let reader = Reader::new(steps, source, framing, registry, wanted, options.clone(), limits);
+    let plan = Plan { options: options.clone(), limits, ..Plan::default() };
+    let reader = reader(steps, source(bytes), Some(framing), Arc::clone(&ALL), plan);
     let mut reader = reader.expect("memory does not fail");
-    let tables = whole_tables(&mut reader);
+    let tables = whole_tables(&mut *reader);
     assert_eq!(reader.position(), bytes.len() as u64);
     (tables, reader.bad_bytes())
 }

@@ -15,9 +15,9 @@ use super::survey::{Form, NO_TABLE, Survey};
 use crate::error::Error;
 use crate::gather::{NO_TIME, Rows};
 use crate::layout::{Options, Source};
-use crate::reader::{Batch, Limits};
+use crate::reader::{Batch, Plan, TakeIn};
 use crate::row_block::{Chosen, RowBlock, Side, portions};
-use crate::select::seconds;
+use crate::select::{Wanted, seconds};
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
 
@@ -27,23 +27,6 @@ const LINE_PLACE: usize = size_of::<u32>();
 /// How often tables that have rows are laid out anew because the log says more about their fields: a hostile log may do so
 /// again and again.
 const MOST_RENEWALS: usize = 16;
-
-/// Which records are wanted.
-#[derive(Debug, Clone)]
-pub struct Wanted {
-    /// Names of tables; `None` for all.
-    pub names: Option<Vec<String>>,
-    /// Seconds since 1970: the first that is wanted.
-    pub start: f64,
-    /// The first that is not any more.
-    pub end: f64,
-}
-
-impl Wanted {
-    fn has(&self, name: &str) -> bool {
-        self.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))
-    }
-}
 
 /// The growing tables of a log.
 pub(super) struct Decoder {
@@ -66,12 +49,8 @@ pub(super) struct Decoder {
 
 impl Decoder {
     /// At the start of a log that says this about itself.
-    pub(super) fn new(
-        survey: Arc<Survey>,
-        wanted: Wanted,
-        options: Options,
-        limits: Limits,
-    ) -> Self {
+    pub(super) fn new(survey: Arc<Survey>, plan: Plan) -> Self {
+        let Plan { wanted, options, limits, .. } = plan;
         let walk = RecordTimes::new(Arc::clone(&survey));
         let (layouts, is_wanted, pieces, strides, row_lens) = Default::default();
         let tables = Tables::new(0, limits);
@@ -121,7 +100,7 @@ impl Decoder {
     /// Makes room for the tables that are new.
     fn adopt(&mut self, survey: Arc<Survey>) {
         let tables = &survey.tables;
-        let new = tables[self.is_wanted.len()..].iter().map(|name| self.wanted.has(name));
+        let new = tables[self.is_wanted.len()..].iter().map(|name| self.wanted.wants_name(name));
         self.is_wanted.extend(new);
         self.layouts.resize_with(tables.len(), || None);
         self.tables.grow(tables.len());
@@ -140,24 +119,6 @@ impl Decoder {
         };
         self.row_lens = survey.table_of.iter().map(of_table).collect();
         self.survey = survey;
-    }
-
-    /// The stretches of a block that are taken in one after the other.
-    pub(super) fn portions(&self, walked: &Walked) -> IntoIter<Range<usize>> {
-        let rows_len = |stretch: &Stretch| stretch.layouts().map(|one| self.row_lens[one]).sum();
-        portions(&walked.stretches, rows_len).into_iter()
-    }
-
-    /// Appends the wanted records of some stretches of a block to their tables; `done` is the share of the log that is dealt
-    /// with behind the block. Returns the batches that are complete.
-    pub(super) fn take_in(
-        &mut self,
-        block: &[u8],
-        stretches: &[Stretch],
-        done: f64,
-    ) -> Result<Vec<Batch>, Error> {
-        self.append(block, stretches, done);
-        self.tables.complete()
     }
 
     fn append(&mut self, block: &[u8], stretches: &[Stretch], done: f64) {
@@ -181,9 +142,36 @@ impl Decoder {
         };
         tables.append(pieces, done, new, append);
     }
+}
 
-    /// What is left at the end; `None` the second time.
-    pub(super) fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+impl TakeIn for Decoder {
+    type Found = Walked;
+
+    fn find(&mut self, block: &[u8], at_end: bool) -> Walked {
+        self.walk.block(block, at_end)
+    }
+
+    fn extent(walked: &Walked) -> (usize, u64) {
+        (walked.consumed, walked.bad_bytes())
+    }
+
+    fn portions(&self, walked: &Walked) -> IntoIter<Range<usize>> {
+        let rows_len = |stretch: &Stretch| stretch.layouts().map(|one| self.row_lens[one]).sum();
+        portions(&walked.stretches, rows_len).into_iter()
+    }
+
+    fn take_in(
+        &mut self,
+        block: &[u8],
+        walked: &Walked,
+        some: Range<usize>,
+        done: f64,
+    ) -> Result<Vec<Batch>, Error> {
+        self.append(block, &walked.stretches[some], done);
+        self.tables.complete()
+    }
+
+    fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         self.tables.rest()
     }
 }

@@ -6,27 +6,13 @@
 
 use std::sync::Arc;
 
-use super::decoder::{Decoder, Wanted};
+use super::decoder::Decoder;
 use super::run::Run;
 use super::survey::{Form, Open, Survey, begin};
 use crate::error::Error;
 use crate::input::{Blocks, Steps};
-use crate::layout::Options;
 use crate::pool;
-use crate::reader::{Batch, Limits};
-
-/// How a log is wanted.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// Which records.
-    pub wanted: Wanted,
-    /// As which columns.
-    pub options: Options,
-    /// In what batches; they are all there at the end only.
-    pub limits: Limits,
-    /// Bytes of the file; of a log that is not compressed tables get room for the rows that are to be expected.
-    pub size: u64,
-}
+use crate::reader::{Batch, Plan, TakeIn};
 
 /// A log that was gone through.
 pub struct Whole {
@@ -91,7 +77,7 @@ impl<'a> Pass<'a> {
                 let done = self.run.position() as f64 / self.plan.size as f64;
                 self.bad_bytes += walked.bad_bytes();
                 let portions = decoder.portions(&walked);
-                let take_in = |some| decoder.take_in(seen.bytes, &walked.stretches[some], done);
+                let take_in = |some| decoder.take_in(seen.bytes, &walked, some, done);
                 return (seen.consumed, portions.map(take_in).collect::<Result<Vec<_>, _>>());
             }
             (seen.consumed, Ok(Vec::new()))
@@ -107,12 +93,11 @@ impl<'a> Pass<'a> {
 
     /// A decoder that starts with what the first block says, if that tells all times.
     fn begin(&self) -> Option<Box<Decoder>> {
-        let Plan { wanted, options, limits, .. } = self.plan.clone();
         let survey = self.run.survey();
         let is_binary = matches!(survey.form, Form::Binary(_));
         let is_told = self.is_short || self.run.has_settled_clock();
         let does = is_binary && is_told && survey.clock.is_some();
-        does.then(|| Box::new(Decoder::new(Arc::new(survey), wanted, options, limits)))
+        does.then(|| Box::new(Decoder::new(Arc::new(survey), self.plan.clone())))
     }
 
     /// The decoder with what is new in this block, unless that makes other rows of what it has had.

@@ -9,11 +9,10 @@ use std::sync::Arc;
 use maker::{Item, Maker, any_item};
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::arrow::compute::concat_batches;
-use mavwire_columns::dataflash::{Plan, Reader, Survey, Wanted, Whole, read_whole};
+use mavwire_columns::dataflash::{Survey, Whole, read_whole, reader};
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Batch, Decode, Limits};
+use mavwire_columns::reader::{Batch, Plan};
 use proptest::prelude::*;
 
 /// The tables by index, and how many bytes belong to no record.
@@ -21,11 +20,6 @@ type Rows = (BTreeMap<u16, RecordBatch>, u64);
 
 fn source(log: &[u8]) -> Box<dyn Read + Send> {
     Box::new(Cursor::new(log.to_vec()))
-}
-
-fn everything() -> Plan {
-    let wanted = Wanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
-    Plan { wanted, options: Options::default(), limits: Limits::NONE, size: 0 }
 }
 
 fn tables(batches: Vec<Batch>) -> BTreeMap<u16, RecordBatch> {
@@ -43,8 +37,7 @@ fn in_two(log: &[u8], steps: Steps, plan: &Plan) -> (Survey, Rows) {
     let open = || Ok(source(log));
     let survey = Survey::read(steps, &open, || Ok::<_, Error>(()));
     let survey = Arc::new(survey.expect("reading").expect("a dataflash log"));
-    let Plan { wanted, options, limits, .. } = plan.clone();
-    let reader = Reader::new(Arc::clone(&survey), &open, wanted, &options, limits);
+    let reader = reader(Arc::clone(&survey), &open, plan.clone());
     let (mut reader, mut batches) = (reader.expect("reading"), Vec::new());
     while let Some(some) = reader.advance().expect("reading") {
         batches.extend(some);
@@ -95,7 +88,7 @@ proptest! {
         let sound = if is_sound { &SOUND[..] } else { &[] };
         let log = Maker::new().with(sound).with(&first).with(&items).log();
         let steps = Steps { block, stretch };
-        let mut plan = everything();
+        let mut plan = Plan::default();
         plan.options.si = si;
         plan.limits.table_bytes = table_bytes;
         plan.size = log.len() as u64;
@@ -130,7 +123,7 @@ const SOUND: [Item; 10] = [
 fn does(items: &[Item]) -> bool {
     let rows = [Item::Record(1); 200];
     let log = Maker::new().with(&SOUND).with(&rows).with(items).with(&rows).log();
-    agree(&log, Steps { block: 2000, stretch: 300 }, &everything())
+    agree(&log, Steps { block: 2000, stretch: 300 }, &Plan::default())
 }
 
 #[test]
@@ -172,7 +165,7 @@ fn a_description_that_is_cut_in_two_holds_from_where_it_begins() {
     let hidden = [Item::Fmt(2, 0), Item::Fmt(7, 0), Item::Hidden, Item::Record(1), Item::Record(2)];
     let rest = [Item::Record(2), Item::Record(1)].repeat(60);
     let log = Maker::new().with(&SOUND).with(&hidden).with(&rest).log();
-    let mut plan = everything();
+    let mut plan = Plan::default();
     plan.wanted.names = Some(vec!["B".to_owned()]);
     let did = (800..1200).filter(|&block| agree(&log, Steps { block, stretch: 300 }, &plan));
     assert_eq!(did.count(), 400);
@@ -185,12 +178,12 @@ fn a_late_fix_takes_two_and_none_in_a_short_log_does_not() {
     let (described, rows) = ([Item::Fmt(3, 0), Item::Fmt(1, 0)], [Item::Record(1); 300]);
     let steps = Steps { block: 2000, stretch: 300 };
     let log = Maker::new().with(&described).with(&rows).with(&[Item::Gps(true)]).log();
-    assert!(!agree(&log, steps, &everything()));
+    assert!(!agree(&log, steps, &Plan::default()));
     let short = Maker::new().with(&described).with(&rows[..50]).log();
-    assert!(agree(&short, steps, &everything()));
+    assert!(agree(&short, steps, &Plan::default()));
     // Where no record has a time nobody can say which are wanted.
     let untimed = Maker::new().with(&[Item::Fmt(2, 0), Item::Record(2), Item::Record(2)]).log();
-    assert!(!agree(&untimed, steps, &everything()));
+    assert!(!agree(&untimed, steps, &Plan::default()));
 }
 
 #[test]
@@ -202,8 +195,8 @@ fn a_log_that_says_new_things_about_its_rows_again_and_again_is_given_up() {
         Maker::new().with(&SOUND).with(&items).log()
     };
     let steps = Steps { block: 2000, stretch: 300 };
-    assert!(agree(&log(10), steps, &everything()));
-    assert!(!agree(&log(40), steps, &everything()));
+    assert!(agree(&log(10), steps, &Plan::default()));
+    assert!(!agree(&log(40), steps, &Plan::default()));
 }
 
 #[test]
@@ -211,16 +204,16 @@ fn compressed_logs_and_text_logs() {
     let log = Maker::new().with(&SOUND).with(&vec![Item::Record(1); 20_000]).log();
     let packed = zstd::encode_all(&log[..], 3).expect("memory");
     let steps = Steps { block: 60_000, stretch: 300 };
-    assert!(agree(&packed, steps, &everything()));
-    assert!(agree(&packed[..packed.len() - 9], steps, &everything()), "one that is cut off");
+    assert!(agree(&packed, steps, &Plan::default()));
+    assert!(agree(&packed[..packed.len() - 9], steps, &Plan::default()), "one that is cut off");
     let text = "FMT, 1, 15, A, QI, TimeUS,X\n".to_owned() + &"A, 1000, 7\n".repeat(300);
     let ((survey, _), (found, rows)) = (
-        in_two(text.as_bytes(), steps, &everything()),
-        in_one(text.as_bytes(), steps, &everything()),
+        in_two(text.as_bytes(), steps, &Plan::default()),
+        in_one(text.as_bytes(), steps, &Plan::default()),
     );
     assert!(found.tables == survey.tables && found.clock == survey.clock && rows.is_none());
     let nothing =
-        read_whole(steps, &|| Ok(source(b"no log")), &everything(), || Ok::<_, Error>(()));
+        read_whole(steps, &|| Ok(source(b"no log")), &Plan::default(), || Ok::<_, Error>(()));
     assert!(nothing.expect("reading").is_none());
 }
 
@@ -230,7 +223,7 @@ fn whoever_asks_is_asked_and_may_end_it() {
     let open = || Ok(source(&log));
     let mut asked = 0;
     let steps = Steps { block: 5000, stretch: 500 };
-    let stopped = read_whole(steps, &open, &everything(), || {
+    let stopped = read_whole(steps, &open, &Plan::default(), || {
         asked += 1;
         Err::<(), _>(Error::NoTimes)
     });
@@ -245,7 +238,7 @@ fn real_logs() {
         if path.extension().is_some_and(|extension| extension == "BIN") {
             let log = std::fs::read(&path).expect("a log");
             for block in [4 << 20, 300_000, 100_000] {
-                agree(&log, Steps { block, ..Steps::default() }, &everything());
+                agree(&log, Steps { block, ..Steps::default() }, &Plan::default());
             }
         }
     }

@@ -4,8 +4,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::Options;
-use mavwire_columns::reader::Reader;
+use mavwire_columns::reader::reader;
 use mavwire_columns::scan::Framing;
 use mavwire_io::bridge::{FrameInfo, Frames, Hub};
 use pyo3::prelude::*;
@@ -109,15 +108,12 @@ impl FrameBatch {
         let dialect = self.dialect.get();
         let open = || {
             let (records, registry) = (self.records(), Arc::clone(&dialect.registry));
-            let (size, wanted) = (records.len() as u64, query.wanted(dialect));
+            let mut plan = query.plan(Some(dialect), records.len() as u64);
+            plan.options.text_parts = true;
             let (framing, source) = (Some(Framing::Stamped), Box::new(Cursor::new(records)));
-            let options = Options { text_parts: true, ..query.options() };
-            let (steps, limits) = (Steps::default(), query.limits());
-            Reader::new(steps, source, framing, registry, wanted, options, limits)
-                .map(|reader| reader.with_size(size))
+            reader(Steps::default(), source, framing, registry, plan)
         };
-        let reader = py.detach(open)?;
-        Ok(LogColumns::new(Box::new(reader)))
+        Ok(LogColumns::new(py.detach(open)?))
     }
 
     /// When each arrived; seconds since 1970.

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mavwire_columns::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::{Invalid, Layout, Options};
-use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
+use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
@@ -81,13 +81,18 @@ impl Query {
             }
             systems
         });
-        let (start, end) = self.span();
-        Wanted { types, unknown: self.unknown.clone(), systems, start, end }
+        Wanted { types, systems, ..self.wanted_by_name() }
     }
 
-    /// Seconds since 1970: the first that is wanted, and the first that is not any more.
-    pub(crate) fn span(&self) -> (f64, f64) {
-        (self.start.unwrap_or(f64::NEG_INFINITY), self.end.unwrap_or(f64::INFINITY))
+    /// The same without what depends on a dialect.
+    fn wanted_by_name(&self) -> Wanted {
+        Wanted {
+            unknown: self.unknown.clone(),
+            names: self.names.clone(),
+            start: self.start.unwrap_or(f64::NEG_INFINITY),
+            end: self.end.unwrap_or(f64::INFINITY),
+            ..Wanted::default()
+        }
     }
 
     pub(crate) fn options(&self) -> Options {
@@ -100,23 +105,28 @@ impl Query {
         }
     }
 
-    pub(crate) fn limits(&self) -> Limits {
-        Limits {
+    /// What to read of a log of so many bytes. A dataflash log needs no dialect.
+    pub(crate) fn plan(&self, dialect: Option<&Dialect>, size: u64) -> Plan {
+        let wanted = dialect.map_or_else(|| self.wanted_by_name(), |one| self.wanted(one));
+        let limits = Limits {
             rows: self.batch_rows.unwrap_or(usize::MAX),
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
             ..Limits::NONE
-        }
+        };
+        Plan { wanted, options: self.options(), limits, size }
     }
 
     /// A reader of a telemetry log, for use without the interpreter.
     pub(crate) fn open(&self, log: &Source, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
-        let (source, size) = (log.open()?, log.size());
-        let registry = Arc::clone(&dialect.registry);
-        let (wanted, options) = (self.wanted(dialect), self.options());
-        let (steps, framing, limits) = (Steps::default(), log.framing(), self.limits());
-        let reader = Reader::new(steps, source, framing, registry, wanted, options, limits)?;
+        let (registry, plan) =
+            (Arc::clone(&dialect.registry), self.plan(Some(dialect), log.size()));
+        self.checked(reader(Steps::default(), log.open()?, log.framing(), registry, plan)?)
+    }
+
+    /// The reader, unless it has no times and only records of some time are wanted.
+    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
         self.check_times(reader.has_times())?;
-        Ok(Box::new(reader.with_size(size)))
+        Ok(reader)
     }
 
     /// Refuses a log without times if only records of some time are wanted.

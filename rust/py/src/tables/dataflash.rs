@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use mavwire_columns::Error;
-use mavwire_columns::dataflash::{self, Form, Plan, Survey, Wanted, Whole, table_layout};
+use mavwire_columns::dataflash::{self, Form, Survey, Whole, table_layout};
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Decode;
@@ -34,19 +34,10 @@ fn is_dataflash(log: &Source) -> io::Result<bool> {
     Ok(kind_in(log)?.is_dataflash())
 }
 
-fn wanted(query: &Query) -> Wanted {
-    let (start, end) = query.span();
-    Wanted { names: query.names.clone(), start, end }
-}
-
 impl DataflashTables {
     fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
-        let wanted = wanted(query);
-        let (open, options) = (|| self.log.open(), query.options());
-        let survey = Arc::clone(&self.survey);
-        let reader = dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?;
-        query.check_times(reader.has_times())?;
-        Ok(Box::new(reader))
+        let (survey, plan) = (Arc::clone(&self.survey), query.plan(None, 0));
+        query.checked(dataflash::reader(survey, &|| self.log.open(), plan)?)
     }
 }
 
@@ -69,12 +60,11 @@ impl DataflashTables {
     #[staticmethod]
     fn read(py: Python<'_>, log: Source, query: Query) -> Result<Option<(Self, Option<Tables>)>> {
         let tell = Teller(None);
-        let (wanted, options, limits) = (wanted(&query), query.options(), query.limits());
+        let plan = query.plan(None, log.size());
         let whole = py.detach(|| -> Result<_> {
             if !is_dataflash(&log)? {
                 return Ok(None);
             }
-            let plan = Plan { wanted, options, limits, size: log.size() };
             dataflash::read_whole(Steps::default(), &|| log.open(), &plan, || tell.tell(0))
         })?;
         Ok(whole.map(|Whole { survey, rows }| {
