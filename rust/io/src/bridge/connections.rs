@@ -12,9 +12,8 @@ use mavwire_core::router::LinkId;
 use super::BridgeError;
 use super::endpoint::{Connection, LinkSpec, Opened, Stream};
 use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK, TURNS};
-use super::latency::Latency;
 use super::port::Wire;
-use super::stats::Traffic;
+use super::stats::Departed;
 use crate::address::Address;
 use crate::error_text::in_words;
 
@@ -90,19 +89,10 @@ pub(super) struct Link {
     /// Peers that a server got so far.
     pub(super) welcomed: u64,
     pub(super) error: Option<String>,
-    /// Of the peers that left, and junk of those that are none.
-    pub(super) departed: Traffic,
-    pub(super) departed_latency: Latency,
+    /// The numbers of the peers that left, and the junk of senders that are no peers.
+    pub(super) departed: Departed,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
     pub(super) resting: bool,
-}
-
-impl Link {
-    /// Keeps the numbers of a peer that left.
-    pub(super) fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
-        self.departed.add(&traffic);
-        self.departed_latency.add(&latency);
-    }
 }
 
 impl EventLoop {
@@ -122,8 +112,7 @@ impl EventLoop {
             refused: 0,
             welcomed: 0,
             error: None,
-            departed: Traffic::default(),
-            departed_latency: Latency::default(),
+            departed: Departed::default(),
             resting: false,
         };
         self.links.insert(number, link);
@@ -223,7 +212,7 @@ impl EventLoop {
         if let Kind::DatagramServer(_, peers) = &mut link.kind {
             peers.retain(|_, port| *port != id);
         }
-        link.part_with(self.switch.remove(id));
+        link.departed.add(self.switch.remove(id));
         true
     }
 
@@ -239,7 +228,7 @@ impl EventLoop {
             let heard = port.heard;
             dialling.ended(self.switch.moment.now, heard);
         } else {
-            link.part_with(self.switch.remove(id));
+            link.departed.add(self.switch.remove(id));
         }
     }
 
@@ -301,7 +290,7 @@ impl EventLoop {
                 .collect();
             peers.retain(|_, id| !silent.contains(id));
             for id in silent {
-                link.part_with(self.switch.remove(id));
+                link.departed.add(self.switch.remove(id));
             }
         }
     }

@@ -303,7 +303,7 @@ impl EventLoop {
             return Some(port);
         }
         if let Err(damaged) = self.switch.check_mavlink(bytes) {
-            let junk = &mut self.links.get_mut(&number)?.departed;
+            let junk = &mut self.links.get_mut(&number)?.departed.traffic;
             junk.damaged += damaged;
             junk.junk_bytes += bytes.len() as u64;
             return None;

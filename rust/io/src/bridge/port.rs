@@ -13,6 +13,7 @@ use mavwire_core::router::LinkId;
 use mavwire_core::scan::Resync;
 use mavwire_core::signing::timestamp_from_unix_micros;
 use mavwire_core::stream::FrameStream;
+use mavwire_core::unknown::UnknownCounts;
 
 use super::automation::Automation;
 use super::endpoint::{Connection, PortSpec, Stream, is_way_gone};
@@ -77,6 +78,8 @@ pub(super) struct Port {
     /// What the system dropped at the sockets that it had before this one.
     overrun: Option<u64>,
     pub(super) traffic: Traffic,
+    /// Arriving messages that the dialect does not define.
+    pub(super) unknown: UnknownCounts,
     /// What its frames go through; `None` if they stay as they are.
     pub(super) border: Option<Border>,
     pub(super) automation: Option<Automation>,
@@ -108,6 +111,7 @@ impl Port {
             grouped: true,
             overrun: None,
             traffic: Traffic::default(),
+            unknown: UnknownCounts::default(),
             border,
             automation: Automation::new(&spec.automation),
             urgent: spec.options.limits.urgent.as_slice().into(),

@@ -50,6 +50,7 @@ impl EventLoop {
             name: PROGRAM_NAME.to_owned(),
             state: "up",
             traffic: self.switch.traffic(self.switch.program()),
+            unknown: self.switch.unknown(self.switch.program()),
             ..LinkReport::default()
         };
         let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
@@ -93,6 +94,7 @@ impl EventLoop {
                 peer: port.peer.clone(),
                 state: state_of(&port.wire, &link.kind),
                 traffic: self.switch.traffic(port.id),
+                unknown: self.switch.unknown(port.id),
                 queued: port.outbox.queued(),
                 latency: percentiles(&port.outbox.latency),
                 overrun: if server.is_some() { None } else { port.overrun() },
@@ -106,8 +108,9 @@ impl EventLoop {
                 }
                 let own = LinkReport {
                     state: "listening",
-                    traffic: link.departed,
-                    latency: percentiles(&link.departed_latency),
+                    traffic: link.departed.traffic,
+                    unknown: link.departed.unknown.clone(),
+                    latency: percentiles(&link.departed.latency),
                     overrun: server.and_then(|socket| overrun(socket)),
                     connections: link.welcomed,
                     ..report

@@ -1,8 +1,13 @@
 //! What a bridge tells about itself.
 
 use mavwire_core::router::{ComponentStats, LinkStats};
+use mavwire_core::unknown::UnknownCounts;
 
+use super::latency::Latency;
 use super::recorder::RecordingStats;
+
+/// Unknown kinds of messages that are counted apart for a link or peer.
+pub(super) const MOST_UNKNOWN: usize = 64;
 
 /// A bridge at one moment.
 #[derive(Debug, Clone, Default)]
@@ -43,34 +48,53 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Puts the numbers of a peer that left onto those of its link.
-    pub(super) fn add(&mut self, other: &Self) {
-        let LinkStats {
-            received,
-            received_bytes,
-            filtered_in,
-            duplicates,
-            withheld,
-            unroutable,
-            filtered_out,
-            limited,
-        } = other.routed;
-        self.routed.received += received;
-        self.routed.received_bytes += received_bytes;
-        self.routed.filtered_in += filtered_in;
-        self.routed.duplicates += duplicates;
-        self.routed.withheld += withheld;
-        self.routed.unroutable += unroutable;
-        self.routed.filtered_out += filtered_out;
-        self.routed.limited += limited;
-        self.sent += other.sent;
-        self.sent_bytes += other.sent_bytes;
-        self.dropped += other.dropped;
-        self.send_errors += other.send_errors;
-        self.damaged += other.damaged;
-        self.junk_bytes += other.junk_bytes;
-        self.unverified += other.unverified;
-        self.unconverted += other.unconverted;
+    /// The counters with their names for users.
+    pub fn counters(&mut self) -> [(&'static str, &mut u64); 16] {
+        let Self { routed, .. } = self;
+        [
+            ("received", &mut routed.received),
+            ("received_bytes", &mut routed.received_bytes),
+            ("duplicates", &mut routed.duplicates),
+            ("filtered_in", &mut routed.filtered_in),
+            ("withheld", &mut routed.withheld),
+            ("unroutable", &mut routed.unroutable),
+            ("sent", &mut self.sent),
+            ("sent_bytes", &mut self.sent_bytes),
+            ("filtered_out", &mut routed.filtered_out),
+            ("limited", &mut routed.limited),
+            ("dropped", &mut self.dropped),
+            ("send_errors", &mut self.send_errors),
+            ("damaged", &mut self.damaged),
+            ("junk_bytes", &mut self.junk_bytes),
+            ("unverified", &mut self.unverified),
+            ("unconverted", &mut self.unconverted),
+        ]
+    }
+
+    /// Adds the numbers of a peer that left to those of its link.
+    pub(super) fn add(&mut self, mut other: Self) {
+        for ((_, sum), (_, more)) in self.counters().into_iter().zip(other.counters()) {
+            *sum += *more;
+        }
+    }
+}
+
+/// What is kept of peers that left.
+#[derive(Debug, Default)]
+pub(super) struct Departed {
+    pub(super) traffic: Traffic,
+    pub(super) latency: Latency,
+    pub(super) unknown: UnknownCounts,
+}
+
+impl Departed {
+    pub(super) fn add(&mut self, other: Self) {
+        self.traffic.add(other.traffic);
+        self.latency.add(&other.latency);
+        for (kind, count) in other.unknown.listed {
+            self.unknown.add(kind, count, MOST_UNKNOWN);
+        }
+        self.unknown.unlisted += other.unknown.unlisted;
     }
 }
 
@@ -88,6 +112,8 @@ pub struct LinkReport {
     pub state: &'static str,
     /// What became of its frames.
     pub traffic: Traffic,
+    /// Messages that the dialect does not define.
+    pub unknown: UnknownCounts,
     /// Bytes that wait to leave.
     pub queued: usize,
     /// How long frames were in the bridge from arriving to having left; microseconds that a half, 99 and 99.9 of a

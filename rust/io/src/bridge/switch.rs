@@ -12,12 +12,12 @@ use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router
 use mavwire_core::scan::{Found, Resync, Scanner};
 use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros};
 use mavwire_core::stream::Piece;
+use mavwire_core::unknown::{UnknownCounts, UnknownKind};
 
 use super::endpoint::PortSpec;
 use super::frames::{FrameInfo, Frames};
-use super::latency::Latency;
 use super::port::{Port, Trust, Wire};
-use super::stats::Traffic;
+use super::stats::{Departed, MOST_UNKNOWN, Traffic};
 
 /// The link number that stands for the program around the bridge.
 pub(super) const PROGRAM: u32 = 0;
@@ -125,19 +125,23 @@ impl Switch {
         state
     }
 
-    /// Removes a port; what became of its frames, and how long they were here.
-    pub(super) fn remove(&mut self, id: LinkId) -> (Traffic, Latency) {
+    /// Removes a port, and returns what became of its frames.
+    pub(super) fn remove(&mut self, id: LinkId) -> Departed {
         self.dirty.remove(id);
         let traffic = self.traffic(id);
         self.router.remove_link(id);
         let Some(mut port) = self.ports.get_mut(id.index()).and_then(Option::take) else {
-            return (traffic, Latency::default());
+            return Departed { traffic, ..Departed::default() };
         };
         while self.ports.last().is_some_and(Option::is_none) {
             self.ports.pop();
         }
         port.outbox.clear();
-        (Traffic { dropped: port.outbox.dropped, ..traffic }, port.outbox.latency)
+        Departed {
+            traffic: Traffic { dropped: port.outbox.dropped, ..traffic },
+            latency: port.outbox.latency,
+            unknown: port.unknown,
+        }
     }
 
     pub(super) fn port(&mut self, id: LinkId) -> Option<&mut Port> {
@@ -174,6 +178,11 @@ impl Switch {
         let port = self.ports.get(id.index()).and_then(Option::as_ref);
         let routed = self.router.link_stats(id).unwrap_or_default();
         Traffic { routed, ..port.map(Port::traffic).unwrap_or_default() }
+    }
+
+    pub(super) fn unknown(&self, id: LinkId) -> UnknownCounts {
+        let port = self.ports.get(id.index()).and_then(Option::as_ref);
+        port.map(|port| port.unknown.clone()).unwrap_or_default()
     }
 
     /// Whether a datagram begins with a good frame that the dialect knows.
@@ -285,6 +294,11 @@ impl Switch {
         let moment = self.moment;
         let Some(port) = self.port(id) else { return false };
         let has_automation = port.automation.is_some();
+        if entry.is_none()
+            && let Some(kind) = UnknownKind::of(frame)
+        {
+            port.unknown.add(kind, 1, MOST_UNKNOWN);
+        }
         let mut proven = true;
         if let Some(border) = &port.border {
             let now = timestamp_from_unix_micros(moment.unix);

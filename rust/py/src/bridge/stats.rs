@@ -4,6 +4,8 @@ use mavwire_io::bridge::{ComponentReport, LinkReport, RecordingStats, Stats};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use crate::tables::columns::unknown_counts;
+
 /// A dictionary of names and values.
 macro_rules! dict {
     ($py:expr, $($name:literal: $value:expr),+ $(,)?) => {{
@@ -33,37 +35,33 @@ pub(crate) fn to_dict<'py>(py: Python<'py>, stats: &Stats) -> PyResult<Bound<'py
 }
 
 fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>> {
-    let (traffic, routed) = (&link.traffic, &link.traffic.routed);
     let [p50, p99, p999] = link.latency.map(|micros| micros.map(|micros| f64::from(micros) / 1e6));
     let latency = dict!(py, "p50": p50, "p99": p99, "p99.9": p999);
-    Ok(dict!(py,
+    let dict = dict!(py,
         "name": &link.name,
         "endpoint": &link.endpoint,
         "peer": &link.peer,
         "state": link.state,
-        "received": routed.received,
-        "received_bytes": routed.received_bytes,
-        "duplicates": routed.duplicates,
-        "filtered_in": routed.filtered_in,
-        "withheld": routed.withheld,
-        "unroutable": routed.unroutable,
-        "sent": traffic.sent,
-        "sent_bytes": traffic.sent_bytes,
-        "filtered_out": routed.filtered_out,
-        "limited": routed.limited,
-        "dropped": traffic.dropped,
-        "send_errors": traffic.send_errors,
-        "damaged": traffic.damaged,
-        "junk_bytes": traffic.junk_bytes,
-        "unverified": traffic.unverified,
-        "unconverted": traffic.unconverted,
+    );
+    for (name, count) in link.traffic.clone().counters() {
+        dict.set_item(name, *count)?;
+    }
+    let unknown = PyList::empty(py);
+    for (kind, count) in unknown_counts(&link.unknown) {
+        let (id, extra) = kind.unzip();
+        unknown.append(dict!(py, "id": id, "crc_extra": extra, "frames": count))?;
+    }
+    let last = dict!(py,
+        "unknown": unknown,
         "overrun": link.overrun,
         "latency": latency,
         "queued_bytes": link.queued,
         "refused": link.refused,
         "connections": link.connections,
         "error": &link.error,
-    ))
+    );
+    dict.update(last.as_mapping())?;
+    Ok(dict)
 }
 
 fn component<'py>(py: Python<'py>, one: &ComponentReport) -> PyResult<Bound<'py, PyDict>> {

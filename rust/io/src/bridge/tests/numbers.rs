@@ -4,6 +4,7 @@ use super::*;
 use mavwire_core::border::BorderOptions;
 use mavwire_core::router::LinkOptions;
 use mavwire_core::signing::SecretKey;
+use mavwire_core::unknown::UnknownCounts;
 
 fn with_key(name: &str, endpoint: Endpoint, verify: bool) -> LinkSpec {
     let key = Some(Arc::new(SecretKey::new(&[7; 32]).expect("32 bytes")));
@@ -127,4 +128,27 @@ fn what_is_sent_waits_in_pieces_and_those_of_two_threads_do_not_mix() {
             assert!(got.len() == len && got.iter().all(|byte| *byte == got[0]));
         }
     });
+}
+
+#[test]
+fn messages_that_the_dialect_does_not_define_are_counted_by_kind() {
+    let bridge = start(None);
+    let station = station(&bridge, "station");
+    for (msgid, count) in [(50_000, 3), (50_001, 1)] {
+        for seq in 0..count {
+            let frame = frame_of(1, msgid, seq, &[seq + 1; 3], 77);
+            bridge.send(&frame).unwrap();
+            assert_eq!(receive(&station).0, frame);
+        }
+    }
+    bridge.send(&heartbeat(1, 9)).unwrap();
+    let UnknownCounts { listed, unlisted } = report(&bridge, PROGRAM).unknown;
+    let listed: Vec<_> = listed.into_iter().map(|(k, n)| (k.msgid, k.crc_extra, n)).collect();
+    assert_eq!((listed, unlisted), (vec![(50_000, 77, 3), (50_001, 77, 1)], 0));
+    for msgid in 0..100 {
+        bridge.send(&frame_of(1, 60_000 + msgid, 0, &[1], 5)).unwrap();
+        receive(&station);
+    }
+    let counts = report(&bridge, PROGRAM).unknown;
+    assert_eq!((counts.listed.len(), counts.unlisted), (64, 38));
 }
