@@ -3,14 +3,17 @@
 //! Ids are 24 bits wide but cluster: a directory of pages of 256 ids costs two loads per lookup and a few kilobytes per
 //! dialect. Page 0 of the table is the empty page that all unused directory entries point at.
 
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use mavwire_schema::{Dialect, Message};
+use mavwire_schema::{Dialect, Message, Reason, SchemaError, with_free_name};
 
 use crate::telemetry::BootTimes;
 
 const PAGE: usize = 256;
 const NO_MESSAGE: u16 = u16::MAX;
+/// Messages of several dialects together.
+const MAX_MERGED: usize = 32_768;
 
 /// What scanning needs to know of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,6 +95,35 @@ impl Registry {
         &self.dialect
     }
 
+    /// This dialect with what another one defines beyond it. An id that both define keeps its message. The other layouts of
+    /// such ids go beside it.
+    ///
+    /// # Errors
+    /// There are too many messages.
+    pub fn merged(&self, other: &Self) -> Result<Self, SchemaError> {
+        let mut dialect = self.dialect.clone();
+        let mut others = dialect.messages.split_off(self.own);
+        let all = &self.dialect.messages;
+        let mut names: HashSet<_> = all.iter().map(|one| one.name.clone()).collect();
+        let mut layouts: HashSet<_> = all.iter().map(|one| (one.id, one.crc_extra)).collect();
+        for (n, message) in other.dialect.messages.iter().enumerate() {
+            let is_new = n < other.own && self.lookup(message.id).is_none();
+            if layouts.insert((message.id, message.crc_extra)) || is_new {
+                let message = with_free_name(message.clone(), &mut names);
+                (if is_new { &mut dialect.messages } else { &mut others }).push(message);
+            }
+        }
+        if dialect.messages.len() + others.len() > MAX_MERGED {
+            let reason = Reason::TooMany { what: "messages", limit: MAX_MERGED };
+            return Err(SchemaError::new(&other.dialect.name, reason));
+        }
+        dialect.others = others;
+        let known: HashSet<_> = self.dialect.enums.iter().map(|one| &one.name).collect();
+        let enums = other.dialect.enums.iter().filter(|one| !known.contains(&one.name));
+        dialect.enums.extend(enums.cloned());
+        Ok(Self::new(dialect))
+    }
+
     /// The messages without the layouts of other definitions: each id once.
     pub fn own_messages(&self) -> &[Message] {
         &self.dialect.messages[..self.own]
@@ -167,5 +199,25 @@ mod tests {
         let registry = Registry::new(dialect);
         let seed = |msgid| registry.lookup(msgid).map(|entry| entry.crc_extra);
         assert_eq!((seed(last), seed(0), seed(last - 1), seed(1)), (Some(3), Some(2), None, None));
+    }
+
+    #[test]
+    fn of_several_dialects_the_first_that_knows_an_id_names_it() {
+        let dialect = |messages: &[(u32, &str, u8)], others: &[(u32, &str, u8)]| {
+            let made = |of: &[(u32, &str, u8)]| {
+                of.iter().map(|&(id, name, extra)| message(id, name, extra, &[], &[])).collect()
+            };
+            let (name, wire_version) = ("some".into(), WireVersion::V2);
+            let (messages, others) = (made(messages), made(others));
+            Registry::new(Dialect { name, wire_version, messages, others, enums: vec![] })
+        };
+        let first = dialect(&[(1, "A", 10)], &[(1, "A_CRC11", 11)]);
+        let second = dialect(&[(1, "A", 12), (2, "A", 20), (3, "C", 30)], &[(1, "OLD", 11)]);
+        let registry = first.merged(&second).expect("they are few");
+        let own: Vec<_> = registry.own_messages().iter().map(|m| (m.id, &*m.name)).collect();
+        assert_eq!(own, [(1, "A"), (2, "A_CRC20"), (3, "C")]);
+        let name = |extra| registry.other(1, extra).map(|e| &*registry.message(e.index).name);
+        assert_eq!([10, 11, 12].map(name), [None, Some("A_CRC11"), Some("A_CRC12")]);
+        assert_eq!(registry.lookup(1).map(|entry| entry.crc_extra), Some(10));
     }
 }

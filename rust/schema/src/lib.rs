@@ -39,5 +39,5 @@ pub use layout::{Layout, crc_extra};
 pub use library::{Library, decode_blob, encode_blob};
 pub use merge::number_behind;
 pub use parse::{ParseOptions, Rules, dialect_name, field_type, parse_definitions};
-pub use resolve::resolve;
+pub use resolve::{resolve, with_free_name};
 pub use standalone::standalone;

@@ -58,22 +58,27 @@ impl Dialect {
     /// # Errors
     /// A message that no frame can carry.
     pub fn add_others(&mut self, definitions: Definitions) -> Result<(), SchemaError> {
-        let mut names: HashSet<_> = self.messages.iter().map(|one| one.name.clone()).collect();
+        let mut names = self.messages.iter().map(|one| one.name.clone()).collect();
         let version = definitions.version.unwrap_or(DEFAULT_VERSION);
         for message in definitions.messages {
             let Some(message) = message.for_version(self.wire_version) else { continue };
             let place = Place { file: definitions.name.as_str().into(), line: message.line };
-            let mut message = lay_out(message, version, &|_| false).map_err(|e| place.error(e))?;
-            for suffix in [format!("_CRC{}", message.crc_extra), format!("_ID{}", message.id)] {
-                if names.contains(&message.name) {
-                    message.name += &suffix;
-                }
-            }
-            names.insert(message.name.clone());
-            self.others.push(message);
+            let message = lay_out(message, version, &|_| false).map_err(|e| place.error(e))?;
+            self.others.push(with_free_name(message, &mut names));
         }
         Ok(())
     }
+}
+
+/// A message under a name that is not among `names`. The name is added to them.
+pub fn with_free_name(mut message: Message, names: &mut HashSet<String>) -> Message {
+    for suffix in [format!("_CRC{}", message.crc_extra), format!("_ID{}", message.id)] {
+        if names.contains(&message.name) {
+            message.name += &suffix;
+        }
+    }
+    names.insert(message.name.clone());
+    message
 }
 
 impl MessageDef {
@@ -97,12 +102,8 @@ struct Messages {
     by_name: HashMap<Rc<str>, Owner>,
 }
 
-/// A message that has an id or a name, for the error of the next one that wants it.
-#[derive(Clone)]
-struct Owner {
-    name: Rc<str>,
-    place: Place,
-}
+/// Name and place of a message that has an id or a name, for the error of the next one that wants it.
+type Owner = (Rc<str>, Place);
 
 impl Messages {
     fn add_file(&mut self, file: File, enums: &EnumMerger) -> Result<(), SchemaError> {
@@ -126,12 +127,12 @@ impl Messages {
         place: &Place,
         enums: &EnumMerger,
     ) -> Result<(), Reason> {
-        let owner = Owner { name: Rc::clone(name), place: place.clone() };
-        if let Some(Owner { name, place }) = self.by_id.insert(message.id, owner.clone()) {
+        let owner = (Rc::clone(name), place.clone());
+        if let Some((name, place)) = self.by_id.insert(message.id, owner.clone()) {
             let other = format!("{name} ({place})");
             return Err(Reason::DuplicateMessageId { id: message.id, other });
         }
-        if let Some(Owner { place, .. }) = self.by_name.insert(Rc::clone(name), owner) {
+        if let Some((_, place)) = self.by_name.insert(Rc::clone(name), owner) {
             return Err(Reason::DuplicateMessageName { other: place.to_string() });
         }
         if self.laid_out.len() == MAX_MESSAGES {

@@ -62,8 +62,7 @@ fn wire_version(text: &str) -> PyResult<WireVersion> {
 }
 
 impl Dialect {
-    fn from_schema(dialect: mavwire_schema::Dialect) -> Self {
-        let registry = Registry::new(dialect);
+    fn new(registry: Registry) -> Self {
         let messages = &registry.dialect().messages;
         Self {
             classes: messages.iter().map(|_| OnceLock::new()).collect(),
@@ -171,7 +170,7 @@ impl Dialect {
     /// A dialect that comes with mavwire, laid out for wire protocol "1.0" or "2.0".
     #[staticmethod]
     fn builtin(name: &str, wire_protocol: &str) -> Result<Self> {
-        Ok(Self::from_schema(builtin::dialect(name, wire_version(wire_protocol)?)?))
+        Ok(Self::new(Registry::new(builtin::dialect(name, wire_version(wire_protocol)?)?)))
     }
 
     /// A dialect from XML texts: `sources` maps file base names to texts, `main` names the one to start from. Includes
@@ -183,7 +182,17 @@ impl Dialect {
         wire_protocol: &str,
     ) -> Result<Self> {
         let mut lookup = |path: &str| lookup(&sources, path);
-        Ok(Self::from_schema(resolve(main, &mut lookup, wire_version(wire_protocol)?)?))
+        Ok(Self::new(Registry::new(resolve(main, &mut lookup, wire_version(wire_protocol)?)?)))
+    }
+
+    /// One dialect of several: the first that knows a message id names it.
+    #[staticmethod]
+    fn merged(first: &Self, others: Vec<PyRef<'_, Self>>) -> Result<Self> {
+        let mut registry = Registry::clone(&first.registry);
+        for other in others {
+            registry = registry.merged(&other.registry)?;
+        }
+        Ok(Self::new(registry))
     }
 
     /// Names of the built-in dialects.
