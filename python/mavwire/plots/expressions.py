@@ -21,10 +21,10 @@ from mavwire.expression.limits import MAX_ITEMS
 from mavwire.expression.names import known_names
 from mavwire.logs.selection import HEADER
 
+MAX_CONSTANT = 1e300
+"""Larger integers are no doubles."""
 STATE_NAMES = frozenset(("MAV", "HOME"))
 """Names of the vehicle's state, which are no messages of the log."""
-EXACT = 2**53
-"""Integers beyond this are not all doubles."""
 
 Places = frozenset[tuple[str, str, int | None]]
 """Fields of messages: type, field, and the index where one element is named."""
@@ -178,16 +178,13 @@ def _index(node: ast.expr) -> int | None:
 def _is_plain(node: ast.AST) -> bool:
     if isinstance(node, ast.Constant):
         number = node.value
-        return type(number) in (int, float) and abs(number) <= EXACT  # type: ignore[arg-type]
+        return type(number) in (int, float) and number < MAX_CONSTANT  # type: ignore[operator]
     if isinstance(node, ast.Attribute):
         owner = node.value
         return isinstance(owner, ast.Name) and owner.id not in (*known_names(), *STATE_NAMES)
     if isinstance(node, ast.Subscript):
-        return (
-            isinstance(node.value, ast.Attribute)
-            and _index(node.slice) is not None
-            and (_is_plain(node.value))
-        )
+        is_field = isinstance(node.value, ast.Attribute) and _is_plain(node.value)
+        return is_field and _index(node.slice) is not None
     if isinstance(node, ast.UnaryOp):
         return type(node.op) in _OPERATORS and _is_plain(node.operand)
     if isinstance(node, ast.BinOp):
@@ -252,7 +249,7 @@ def why_nothing(text: str, messages: Mapping[str, Any], condition: str | None = 
             return f"{needed} does not hold"
     try:
         compile_text(value)(messages, [MAX_ITEMS])
-    except Exception as error:  # whatever a function of an expression raises
+    except Exception as error:  # functions of expressions raise errors of any type
         return in_words(error)
     return None
 

@@ -16,7 +16,7 @@ from mavwire.links.recognise import DATAFLASH, log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
-from .expressions import EXACT, Expression, as_number, column_of, places_read, why_nothing
+from .expressions import Expression, as_number, column_of, places_read, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
 
 if TYPE_CHECKING:
@@ -93,12 +93,12 @@ def read_series(
         shown = (table for name, table in tables.items() if name != "HEARTBEAT")
         system = vehicle_of(heartbeats, shown) or busiest_system(path, dialect)
     found = {one: _from_table(one, tables[one.type], system) for one in plain}
-    other = [one for one in expressions if found.get(one) is None]
+    other = [one for one in expressions if one not in found]
     if other:
         with decompressed(path) as copy:
             made, _ = _from_messages(copy, other, replace(how, system=system))
         found.update(zip(other, made, strict=True))
-    series = [one for one in map(found.get, expressions) if one is not None]
+    series = [found[one] for one in expressions]
     changes = mode_changes(heartbeats, system, autopilot)
     return LogSeries(path, series, spans(changes, _end(series)))
 
@@ -154,6 +154,8 @@ def _end(series: Sequence[Series]) -> float | None:
 def _tables(
     path: str, plain: Sequence[Expression], dialect: str | os.PathLike[str]
 ) -> dict[str, Table]:
+    import numpy as np
+
     from mavwire.logs import read
     from mavwire.logs.reading import native_dialect
 
@@ -170,7 +172,7 @@ def _tables(
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
     tables = read(path, types, fields=sorted(fields), invalid="null", dialect=dialect)
     filled = [table for table in tables.values() if len(table)]
-    if filled and all(bool(_is_nat(table["timestamp"]).all()) for table in filled):
+    if filled and all(bool(np.isnat(table["timestamp"]).all()) for table in filled):
         raise ValueError(f"a raw stream without a clock has no times to plot over: {path!r}")
     return tables
 
@@ -195,18 +197,11 @@ def busiest_system(path: str, dialect: str | os.PathLike[str]) -> int | None:
     return max(counts, key=lambda one: counts[one], default=None)
 
 
-def _is_nat(times: Any) -> Any:
-    import numpy as np
-
-    return np.isnat(times)
-
-
-def _from_table(one: Expression, table: Table, system: int | None) -> Series | None:
-    """A plain expression over its table; None where doubles would not be exact."""
+def _from_table(one: Expression, table: Table, system: int | None) -> Series:
+    """A plain expression over its table."""
     import numpy as np
 
     rows = slice(None) if system is None else table["sysid"] == system
-
     lacking = False
 
     def column(name: str) -> Any:
@@ -214,33 +209,22 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
         values = table[column_of(name)][rows]
         if values.dtype.kind not in "iuf":
             raise ValueError(f"{one.text}: {name} holds texts, which cannot be plotted")
-        if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and len(values):
-            large = max(abs(int(values.max())), abs(int(values.min()))) > EXACT
-            if large:
-                raise _InexactError
         marked = "invalid" in table.metadata.get(column_of(name), {})
         values = values.astype(np.float64)
         lacking = lacking or (marked and bool(np.isnan(values).any()))
         return values
 
-    try:
-        values = np.asarray(one.over(column))
-    except _InexactError:
-        return None
+    values = np.asarray(one.over(column))
     if values.ndim > 1:
         raise ValueError(f"{one.text} is an array: name an element, as in {one.text}[0]")
     stamps = table["timestamp"][rows]
     times = stamps.astype("int64") * 1e-6
-    good = np.isfinite(values) & ~_is_nat(stamps)
+    good = np.isfinite(values) & ~np.isnat(stamps)
     left_out = int(np.count_nonzero(~good))
     error = (NO_VALUE if lacking else NO_NUMBER) if left_out else None
     instances = table[table.instance_field][rows] if table.instance_field else values[:0]
     mixed = one.type if len(instances) and bool((instances != instances[0]).any()) else None
     return Series(one, times[good], values[good], left_out, error, mixed)
-
-
-class _InexactError(Exception):
-    """There are integers that doubles do not hold."""
 
 
 # -- messages
@@ -282,7 +266,7 @@ def _holds(how: _How, places: Places, link: Any) -> bool:
     """
     try:
         holds = bool(link.check_condition(how.condition))
-    except Exception as error:  # whatever a function of an expression raises
+    except Exception as error:  # functions of expressions raise errors of any type
         raise ValueError(f"the condition {how.condition!r}: {in_words(error)}") from error
     return holds and not lacks_value(places, link.messages, how)
 
@@ -344,7 +328,7 @@ class _Collector:
         try:
             number = self._number(self.expression, messages)
             place = time_of(msg) if self._xaxis is None else self._number(self._xaxis, messages)
-        except Exception as error:  # whatever a function of an expression raises
+        except Exception as error:  # functions of expressions raise errors of any type
             self._failed += 1
             self._error = self._error or in_words(error)
             return
