@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
-from mavwire._native import DataflashTables, empty_table
+from mavwire._native import DataflashTables
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.checks import check_described, check_tables
 from mavwire.logs.query import Values, takes
@@ -45,34 +44,31 @@ def decode(
     dataflash log that lacks what is needed from in front of it; ValueError for arguments that make
     no sense, and for types and columns that a dataflash log does not describe.
     """
-    return decode_as(
-        path, byte_range, types, columns, dialect=dialect, storage_options=storage_options, **query
-    )
+    wanted = selection_of(types, columns, dialect, **query)
+    return decoded(path, byte_range, *wanted, storage_options)
 
 
-def decode_as(
+def decoded(
     path: str | os.PathLike[str],
     byte_range: ByteRange | Part | None,
-    types: str | Iterable[str] | None,
-    columns: str | Iterable[str] | None,
+    module: Any,
+    native: Any,
+    selection: Selection,
+    storage_options: Mapping[str, Any] | None,
     *,
-    dialect: str | os.PathLike[str] = UPSTREAM,
-    storage_options: Mapping[str, Any] | None = None,
     lenient: bool = False,
-    **query: Unpack[Values],
 ) -> dict[str, Table]:
     """`decode`; where it is `lenient`, types and columns that a dataflash log does not describe are
     left out: other logs of a fleet may have them.
     """
     path = os.fsdecode(path).removeprefix("file://")
-    module, native, selection = selection_of(types, columns, dialect, **query)
     if lenient:
         selection.allow(selection.names or ())
     with located(path, byte_range, storage_options) as source:
         described = _described(source, path, byte_range, storage_options)
         run = columns_from(described, source, native, selection)
         if described is None and not lenient:
-            _check(module, native, selection)
+            check_tables(module, native, selection, selection.columns)
         elif described is not None and not lenient:
             check_described(described.types(), selection, selection.columns)
         found = joined(run)
@@ -123,14 +119,3 @@ def _add_empty(
     for name in selection.names or ():
         if name not in found and name in known:
             found[name] = described.empty(name, selection)
-
-
-def _check(module: Any, native: Any, selection: Selection) -> None:
-    """ValueError names a type that is in no table, or a column that no wanted message has."""
-    check_tables(module, native, selection)
-    every = replace(selection, columns=None)
-    wanted = module.mavlink_map if selection.types is None else selection.types
-    known = {name for msgid in wanted for name in empty_table(native, msgid, every).names}
-    for name in selection.columns or ():
-        if name not in known:
-            raise ValueError(f"no wanted message has a column {name!r}")

@@ -15,7 +15,7 @@ from mavwire.logs.sources import open_dataflash
 from mavwire.logs.table import Table
 
 from .cuts import find_cuts
-from .decoding import decode_as, selection_of
+from .decoding import decoded, selection_of
 from .grouping import TASK_BYTES, check_at_least_1, grouped, may_be_cut
 from .places import Part, begins_as_dataflash, expand, located, status
 
@@ -116,7 +116,8 @@ def _load(sources: list[Source], how: dict[str, Any], empty: Table, nullable: bo
     """Some logs, one behind the other, as a pandas data frame with the columns of `empty`."""
     import pandas as pd
 
-    found = [decode_as(path, byte_range, **how, lenient=True) for path, byte_range in sources]
+    wanted, options = selection_of(**how), how["storage_options"]
+    found = [decoded(*source, *wanted, options, lenient=True) for source in sources]
     tables = [tables.get(how["types"]) for tables in found]
     # Another description of a type may have other columns.
     fitted = [

@@ -27,14 +27,20 @@ def check_tables(
             raise ValueError("messages with ids that the dialect does not have are in no table")
     if fields is None:
         return
+    known = fields_of(dialect, native, selection)
+    for name in names_of(fields):
+        if name not in known:
+            raise ValueError(f"no wanted message has a field {name!r}")
+
+
+def fields_of(dialect: Any, native: Any, selection: Selection) -> set[str]:
+    """The fields and columns of the wanted messages of a dialect."""
     classes = dialect.mavlink_map
     every = replace(selection, columns=None)
     known = set(HEADER)
     for msgid in classes if selection.types is None else selection.types:
         known.update(classes[msgid].fieldnames, empty_table(native, msgid, every).names)
-    for name in names_of(fields):
-        if name not in known:
-            raise ValueError(f"no wanted message has a field {name!r}")
+    return known
 
 
 def check_described(

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
 
+from .checks import check_tables
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
@@ -144,7 +145,8 @@ def prepare(
     fields = separate_fields(query)
     selection = Selection.of(module, types, **query)
     selection.csv_safe = csv_safe and format == "csv"
-    if fields is not None or selection.foreign is None:
+    check_tables(module, native, selection)
+    if fields is not None:
         check_fields(list(logs), module, native, selection, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     selection.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS

@@ -15,17 +15,17 @@ from mavwire._text import naming
 from mavwire.dialects import UPSTREAM
 
 from .batches import Batches
-from .checks import check_described, check_tables, no_rows
+from .checks import check_described, check_tables, fields_of, no_record_type, no_rows
 from .common_columns import Surveys, empty_of
 from .query import Query, Types, takes
-from .selection import Selection, names_of, separate_fields, several
+from .selection import Selection, names_of, no_message, separate_fields, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 from .unknown import warn_unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
     from types import ModuleType
 
     from mavwire._native import FrameBatch
@@ -36,7 +36,7 @@ BATCH_ROWS = 65_536
 BATCH_BYTES = 64 << 20
 """What `scan` holds at most of rows that are not yet a batch."""
 LOOKED_AT = 1000
-"""Logs that are looked at for the fields that are asked for, before any is converted."""
+"""Logs that are opened for the wanted fields before any is converted."""
 
 
 def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
@@ -210,114 +210,82 @@ def scan(
     module, native = native_dialect(dialect)
     fields = separate_fields(query)
     selection = Selection.of(module, types, **query)
-    if not is_dataflash(every[0]):  # what makes no sense is said before the first step
-        for path in every if selection.foreign else ():
-            check_readable(path)  # a missing log may be the one that has the type
-        check_selection_of_all(every, module, native, selection, fields)
-    selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
     surveys = Surveys()
-    begin = partial(_checked_batches, every, surveys, module, native, selection, fields)
+    check_tables(module, native, selection)
+    names, columns = selection.names or (), names_of(fields or ())
+    if problem := missing(every, surveys.open, module, native, selection, names, columns):
+        raise ValueError(problem)
+    selection.foreign = None
+    selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
+    begin = partial(_batches, every, surveys, native, selection)
     one_type = selection.names is not None and len(selection.names) == 1
     empty = partial(empty_of, every, surveys, module, native, selection) if one_type else None
     return Batches(begin, empty)
 
 
-def _checked_batches(
-    paths: list[str],
-    surveys: Surveys,
-    module: Any,
-    native: Any,
-    selection: Selection,
-    fields: str | Iterable[str] | None,
+def _batches(
+    paths: list[str], surveys: Surveys, native: Any, selection: Selection
 ) -> Iterator[Table]:
-    """Batches of all logs. ValueError for a type or field that none of them can have: before the
-    first telemetry log, or the last of logs that are all dataflash, is read.
-    """
-    described: dict[str, set[str]] = {}
-    telemetry = False
-    for number, path in enumerate(paths):
+    for path in paths:
         check_readable(path)
-        tables = surveys.open(path)
-        if tables is None and not telemetry:
-            telemetry = True
-            check_selection_of_all(paths, module, native, selection, fields)
-        for name, columns in ({} if tables is None else tables.types()).items():
-            described.setdefault(name, set()).update(columns)
-        if not telemetry and number == len(paths) - 1:
-            check_described(described, selection, fields, len(paths))
-        yield from batches_of(tables, path, native, selection)
+        yield from batches_of(surveys.open(path), path, native, selection)
 
 
-def check_selection_of_all(
+def missing(
     paths: list[str],
+    opened: Callable[[str], DataflashTables | None],
     module: Any,
     native: Any,
     selection: Selection,
-    fields: str | Iterable[str] | None = None,
-) -> None:
-    """Raise ValueError for types and fields that neither telemetry logs can have nor a dataflash log
-    among those that are read.
+    types: Iterable[str],
+    fields: Iterable[str],
+) -> str | None:
+    """The error for the first of some types and fields that none of the logs can have. `opened` gives
+    what a dataflash log says about itself. Logs are opened until everything is found.
     """
-    wanted = None if fields is None else names_of(fields)
-    try:
-        selection.check_telemetry()
-        check_tables(module, native, selection, wanted)
-    except ValueError:
-        allow_described(paths, selection)
-        if not (described := list(described_by(paths))):
-            raise
-        columns = {one for types in described for some in types.values() for one in some}
-        selection.check_telemetry()
-        rest = [name for name in wanted or () if name not in columns]
-        check_tables(module, native, selection, rest or None)
+    described: set[str] = set()
+    is_telemetry = False
+    for path in paths:
+        if not types and not fields:
+            return None
+        check_readable(path)
+        tables = opened(path)
+        if tables is not None:
+            found = tables.types()
+            described.update(found)
+            types = [name for name in types if name not in found]
+            columns = {one for name in selection.names or found for one in found.get(name, ())}
+            fields = [name for name in fields if name not in columns]
+        elif not is_telemetry:
+            is_telemetry = True
+            types = [name for name in types if name in (selection.foreign or ())]
+            columns = fields_of(module, native, selection)
+            fields = [name for name in fields if name not in columns]
+    for name in types:
+        if is_telemetry:
+            return no_message(module, name)
+        return no_record_type(name, described, len(paths))
+    what = "message" if is_telemetry else "type"
+    return next((f"no wanted {what} has a field {name!r}" for name in fields), None)
 
 
 def check_fields(
-    paths: list[str],
-    module: Any,
-    native: Any,
-    selection: Selection,
-    fields: str | Iterable[str] | None,
+    paths: list[str], module: Any, native: Any, selection: Selection, fields: list[str]
 ) -> None:
-    """Raise ValueError for fields that none of some logs can have, of which the first is looked at if
-    none are asked for. A log that cannot be read here, and one beyond the first `LOOKED_AT`, may
-    have any.
+    """Raise ValueError for fields that none of some logs can have. A log that cannot be read may have
+    any, and so may more than `LOOKED_AT` logs.
     """
-    if fields is None:
-        if not paths or not is_dataflash(paths[0]):
-            check_selection_of_all(paths, module, native, selection)
-        return
-    missing, is_telemetry = names_of(fields), not paths
-    for path in paths[:LOOKED_AT]:
-        try:
-            check_readable(path)
-            tables = open_dataflash(path, path)
-        except (OSError, ValueError, MemoryError):  # as its row will say
-            return
-        if tables is not None:
-            types = tables.types()
-            columns = {one for name in selection.names or types for one in types.get(name, ())}
-            missing = [name for name in missing if name not in columns]
-        elif not is_telemetry:
-            is_telemetry = True
-            missing = [name for name in missing if not _has_field(module, native, selection, name)]
-        if not missing:
-            return
     if len(paths) > LOOKED_AT:
         return
-    if not is_telemetry:
-        raise ValueError(f"no wanted type has a field {missing[0]!r}")
-    if selection.foreign is None:  # else the log's row says which type it cannot have
-        check_tables(module, native, selection, missing)
-
-
-def _has_field(module: Any, native: Any, selection: Selection, name: str) -> bool:
-    """Whether a telemetry log can have a field."""
+    if selection.foreign and not all(map(is_dataflash, paths)):
+        return  # the row of a log says which type it cannot have
+    opened = partial(open_dataflash, path="")
     try:
-        check_tables(module, native, selection, [name])
-    except ValueError:
-        return False
-    return True
+        problem = missing(paths, opened, module, native, selection, (), fields)
+    except (OSError, ValueError, MemoryError):  # as its row will say
+        return
+    if problem:
+        raise ValueError(problem)
 
 
 def allow_described(paths: list[str], selection: Selection) -> None:
