@@ -177,6 +177,11 @@ class Reading:
         while (msg := receive(condition, types, blocking)) is not None:
             yield msg
 
+    @property
+    def used_index(self) -> bool:
+        """Whether records were found by an index."""
+        return self.by_index and bool(getattr(self.link, "counts", None))
+
     def _is_telemetry_log(self) -> bool:
         from mavwire import mavutil
 
@@ -315,8 +320,7 @@ def reading(
     finally:
         progress.finish()
     if not options.get("notimestamps"):
-        is_indexed = log.by_index and bool(getattr(link, "counts", None))
-        warn_if_foreign(command, path, name, is_indexed=is_indexed)
+        warn_if_foreign(command, path, name, is_indexed=log.used_index)
 
 
 def results(
