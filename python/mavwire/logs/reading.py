@@ -217,15 +217,16 @@ def scan(
         raise ValueError(problem)
     selection.foreign = None
     selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
-    begin = partial(_batches, every, surveys, native, selection)
+    begin = partial(batches, every, surveys, native, selection)
     one_type = selection.names is not None and len(selection.names) == 1
     empty = partial(empty_of, every, surveys, module, native, selection) if one_type else None
     return Batches(begin, empty)
 
 
-def _batches(
+def batches(
     paths: list[str], surveys: Surveys, native: Any, selection: Selection
 ) -> Iterator[Table]:
+    """The batches of several logs."""
     for path in paths:
         check_readable(path)
         yield from batches_of(surveys.open(path), path, native, selection)

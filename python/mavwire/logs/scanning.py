@@ -1,12 +1,11 @@
 """`scan_polars`: a message type of many logs as a polars LazyFrame.
 
-polars says which columns it needs and which rows, and only those columns are gathered; bounds on
-`timestamp` and a `sysid` that stand in a filter limit what is decoded.
+polars says which columns it needs, and only those are gathered. `start`, `end` and `systems` limit the
+rows that are decoded. A filter of polars limits the rows of the result.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
@@ -14,17 +13,14 @@ from mavwire.dialects import UPSTREAM
 
 from .common_columns import Surveys, empty_of
 from .dialect import portable, restored
-from .pushdown import narrow
 from .query import Values, takes
-from .reading import BATCH_ROWS, batches_of, check_readable, logs_of, native_dialect
+from .reading import BATCH_ROWS, batches, check_readable, logs_of, native_dialect
 from .selection import Selection
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Iterator
     from types import ModuleType
-
-    from .table import Table
 
 
 @takes(Values)
@@ -96,14 +92,11 @@ class _Source:
         needed = set(with_columns or self.schema)
         if predicate is not None:
             needed.update(predicate.meta.root_names())
-            narrow(wanted, predicate)
-            # Of rows without times the filter keeps what it keeps.
-            wanted.untimed = self._selection.start is None and self._selection.end is None
         wanted.columns = [name for name in self.schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
         empty = self._empty.select(wanted.columns)
         left = n_rows
-        for table in self._tables(wanted):
+        for table in batches(self._paths, self._surveys, self._native, wanted):
             frame = pl.DataFrame(table._batches.fitted(empty))
             if predicate is not None:
                 frame = frame.filter(predicate)
@@ -115,16 +108,6 @@ class _Source:
             yield frame
             if left is not None and left <= 0:
                 return
-
-    def _tables(self, wanted: Selection) -> Iterator[Table]:
-        """Batches of all logs. A system that only the filter names selects from telemetry logs alone."""
-        for path in self._paths:
-            check_readable(path)
-            dataflash = self._surveys.open(path)
-            those = (
-                wanted if dataflash is None else replace(wanted, systems=self._selection.systems)
-            )
-            yield from batches_of(dataflash, path, self._native, those)
 
 
 def _restored(paths: list[str], message: str, dialect: tuple[str, bool], query: Values) -> _Source:

@@ -17,7 +17,7 @@ import pytest
 from mavwire import traffic
 from mavwire._native import LogColumns
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.logs import pushdown, reading
+from mavwire.logs import reading
 from mavwire.logs.conversion import convert
 from real_logs import each_log
 from unit.column_tools import compare_with_messages, log_of_every_type
@@ -173,17 +173,6 @@ def test_a_time_as_datetime_is_the_record_that_has_it(tmp_path):
         assert sum(1 for _ in log.messages(end=time)) == n
         if n % 30 == 0:
             assert len(mavwire.read(path, start=time)["HEARTBEAT"]) == len(stamps) - n
-
-
-def test_a_time_in_a_filter_is_rounded_like_that_of_a_record():
-    for micros in (1_700_000_000_123_000 + 1_000 * n for n in range(1_000)):
-        for unit, count in (
-            ("Nanoseconds", micros * 1_000 + 7),
-            ("Microseconds", micros),
-            ("Milliseconds", micros // 1_000),
-        ):
-            node = {"Literal": {"DateTime": [count, unit, None]}}
-            assert pushdown._seconds(node) == micros * 1e-6
 
 
 def test_a_type_that_comes_in_pieces_is_one_table(flight, monkeypatch):

@@ -135,32 +135,16 @@ def test_a_filter_by_the_last_time_there_is(flight, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("condition", "start", "end", "systems"),
+    "condition",
     [
-        ("ts > a", "a", None, None),
-        ("ts >= a", "a", None, None),
-        ("a <= ts", "a", None, None),
-        ("ts == a", "a", "a", None),
-        ("ts.is_between(a, b)", "a", "b", None),
-        ("ts.is_between(a, b, closed='none')", "a", "b", None),
-        ("(ts >= a) & (ts < b) & (pl.col('sysid') == 1)", "a", "b", [1]),
-        ("(ts < b) & (ts > a) & (pl.col('roll') > 0)", "a", "b", None),
-        ("(ts < b) | (pl.col('sysid') == 1)", None, None, None),
-        ("ts != a", None, None, None),
-        ("ts < pl.lit(a).dt.offset_by('1s')", None, None, None),
-        ("ts > pl.lit(a).dt.truncate('1h')", None, None, None),
-        ("ts <= pl.max_horizontal(pl.lit(a), ts)", None, None, None),
-        ("ts <= pl.coalesce(ts, pl.lit(a))", None, None, None),
-        ("pl.col('sysid') == pl.col('compid') + 0", None, None, None),
-        ("pl.col('sysid') == pl.col('compid') ** 2", None, None, None),
-        ("pl.col('sysid') == pl.col('seq').clip(0)", None, None, None),
-        ("pl.lit(a).dt.offset_by('-1s') < ts", None, None, None),
-        ("ts.is_between(pl.lit(a).dt.offset_by('-1s'), b)", None, "b", None),
+        "ts > a",
+        "ts.is_between(a, b)",
+        "(ts >= a) & (ts < b) & (pl.col('sysid') == 1)",
+        "(ts < b) | (pl.col('sysid') == 1)",
+        "pl.col('sysid') == pl.col('seq').clip(0)",
     ],
 )
-def test_what_a_filter_says_limits_what_is_decoded(
-    flight, monkeypatch, condition, start, end, systems
-):
+def test_a_filter_is_that_of_polars(flight, monkeypatch, condition):
     pl = pytest.importorskip("polars")
     from mavwire.logs import reading
 
@@ -178,10 +162,6 @@ def test_what_a_filter_says_limits_what_is_decoded(
     found = mavwire.scan_polars(flight, "ATTITUDE").filter(chosen).select("pitch").collect()
     assert found.equals(frame.filter(chosen).select("pitch"))
     (query,) = asked
-    bounds = {"a": a.timestamp(), "b": b.timestamp(), None: None}
-    assert query.start == (None if start is None else pytest.approx(bounds[start], abs=1e-6))
-    assert query.end == (None if end is None else pytest.approx(bounds[end] + 1e-3, abs=1e-6))
-    assert query.systems == systems
     assert "yaw" not in query.columns and "pitch" in query.columns
 
 
