@@ -1,10 +1,9 @@
 """The ``mavwire`` command: one table of subcommands, each imported only when it is chosen.
 
-A subcommand is a module of its name, in a folder by what people do with it: ``logs`` reads, converts and mends logs,
-``plots`` draws them, ``vehicle`` is about one vehicle, ``bridge`` sends frames on, ``dev`` is for developers. It has
-``add_arguments(parser)`` and ``main(args) -> int``. One that hands
-its arguments on to another program has ``PASS_THROUGH = True``: its parser then only makes the help
-text, and ``main`` gets the list of arguments as they were written.
+A subcommand is a module of its name in one of five folders. ``logs`` reads, converts and repairs logs,
+``plots`` draws them, ``vehicle`` is about one vehicle, ``bridge`` forwards frames, ``dev`` is for
+developers. The module has ``add_arguments(parser)`` and ``main(args) -> int``. ``PASS_THROUGH = True``
+marks a command that passes its arguments to another program: ``main`` gets them as a list.
 """
 
 from __future__ import annotations
@@ -90,7 +89,7 @@ COMMANDS = {
     "run": ("dev", "", "run a program that imports pymavlink on mavwire"),
     "alias": ("dev", "", "let mavwire answer 'import pymavlink' in this environment"),
 }
-"""Name -> its folder, the name of pymavlink's script if it stands for one, and a line of help."""
+"""Name -> its folder, the pymavlink script that it replaces if there is one, and a line of help."""
 
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
@@ -162,8 +161,8 @@ def _run(name: str, command: Any, arguments: list[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Python has None for a stream that was closed before it started (`>&-`), and refuses to print
-    names of files that are not UTF-8.
+    """Replace streams that were closed before Python started (`>&-`), and let file names that are not
+    UTF-8 be printed.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
@@ -173,8 +172,8 @@ def _prepare_streams() -> None:
 
 
 def _end_output() -> None:
-    """What is printed is there before the exit code is, and what cannot be printed, which was told of or
-    follows from an error that was, does not fail again when the interpreter ends.
+    """Flush standard output before the process ends. An error was reported before: the interpreter must
+    not fail again.
     """
     try:
         sys.stdout.flush()
@@ -183,7 +182,7 @@ def _end_output() -> None:
 
 
 def _discard_output() -> None:
-    """What is still buffered goes nowhere."""
+    """Send buffered text nowhere."""
     try:
         descriptor = sys.stdout.fileno()
     except (OSError, ValueError):  # a buffer in memory in its place

@@ -1,4 +1,4 @@
-"""What a subcommand says of something the user can mend, and the exception that carries it."""
+"""Errors that the user can correct, and the exception that carries their text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class CommandError(Exception):
 
 @contextmanager
 def refused(*kinds: type[Exception], exit_code: int = 1) -> Iterator[None]:
-    """Errors of these kinds are what the user can mend: they become a CommandError."""
+    """Turn errors of these kinds, which the user can correct, into a CommandError."""
     try:
         yield
     except kinds as error:
@@ -30,9 +30,7 @@ def refused(*kinds: type[Exception], exit_code: int = 1) -> Iterator[None]:
 
 
 def tell(text: str) -> None:
-    """Print a line on standard error: what names of files and texts of logs have in them neither ends it
-    nor steers a terminal.
-    """
+    """Print a line on standard error. Control characters in names and texts are escaped."""
     print(printable(text), file=sys.stderr)
 
 

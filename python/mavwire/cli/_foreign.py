@@ -50,8 +50,8 @@ def warn_if_foreign(
 
 
 def warn_without_records(command: str, path: str, dialect: str, name: str | None = None) -> bool:
-    """The same, for a command that reads logs of any kind as tables, whatever they are called, and
-    has read no record of this one.
+    """Warn of a log in which a command that reads logs of any kind as tables found no record. Returns
+    whether the file is no log.
     """
     if not os.path.isfile(path):
         return False

@@ -1,6 +1,4 @@
-"""Names of message types in options, and what to say of those that are none: a misspelt one would go
-unnoticed.
-"""
+"""Names of message types in options, and warnings for unknown ones: a misspelt name matches nothing."""
 
 from __future__ import annotations
 
@@ -14,17 +12,17 @@ from mavwire.cli._link_kind import kind_of
 if TYPE_CHECKING:
     from mavwire.cli._reading import Reading
 
-# What messages are called that are in no definition.
+# Types of messages without a definition.
 WITHOUT_DEFINITION = ("BAD_DATA", "UNKNOWN")
-# What makes a name a pattern.
+# Characters of patterns.
 WILDCARDS = frozenset("*?[")
 
 
 def unknown(
     names: Iterable[str], log: Any, what: str = "message type", patterns: bool = False
 ) -> list[str]:
-    """What to say of each name that is no message type of a log, or of the dialect that it is read by,
-    and of each pattern that matches none if names may be patterns.
+    """A warning for each name that is no message type of a log or of its dialect, and for each pattern
+    that matches none if names may be patterns.
     """
     from mavwire import mavutil
     from mavwire._text import did_you_mean
@@ -49,9 +47,7 @@ def unknown(
 
 
 def tell_unknown_in(condition: str, log: Reading) -> None:
-    """Say on standard error which names in a condition are neither message types nor functions: it never
-    holds.
-    """
+    """Warn of names in a condition that are neither message types nor functions: it never holds."""
     from mavwire.plots.expressions import messages_read
 
     for problem in unknown(sorted(messages_read(condition)), log.link, "message type or function"):
@@ -59,7 +55,7 @@ def tell_unknown_in(condition: str, log: Reading) -> None:
 
 
 def wanted(text: str | None, log: Reading) -> list[str] | None:
-    """The types that an option names, between commas; None for all. Unknown ones are said."""
+    """The types that an option names, between commas; None for all. Warns of unknown ones."""
     if text is None:
         return None
     names = text.split(",")
@@ -68,6 +64,6 @@ def wanted(text: str | None, log: Reading) -> list[str] | None:
 
 
 def tell_unknown(names: Iterable[str], log: Reading) -> None:
-    """Say on standard error which names are no message types."""
+    """Warn of names that are no message types."""
     for problem in unknown(filter(None, names), log.link):
         tell(f"mavwire {log.command}: {problem}")

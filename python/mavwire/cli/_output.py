@@ -28,7 +28,7 @@ class OutputFile:
 
 
 class _InPlace:
-    """A file that has what is written of it, whatever happens then."""
+    """A file that keeps the written part also after an error."""
 
     def __init__(self, path: str) -> None:
         self.file: IO[bytes] = open(path, "wb")
@@ -39,9 +39,9 @@ class _InPlace:
 def writing(
     path: str, logs: Iterable[str] = (), option: str = "--output", in_place: bool = False
 ) -> Iterator[OutputFile]:
-    """A file that takes the place of `path` at the end: an error, and what ends a process, leave what was
-    there. A pipe, a device, and a file that is written `in_place` have at once what is written.
-    CommandError for one of the logs that are read, and for what cannot be written.
+    """A file that replaces `path` at the end. An error or a signal leaves the old file. A pipe, a device
+    and a file that is written `in_place` get each write at once. CommandError for one of the logs that
+    are read, and for a file that cannot be written.
     """
     refuse_log(path, logs, option)
     name = f"{option} {path}".lstrip()
@@ -66,7 +66,7 @@ def writing(
 
 @contextmanager
 def _named(name: str) -> Iterator[None]:
-    """Gives errors of a file the name that the user knows it by."""
+    """Turn an OSError into a CommandError with the user's name of the file."""
     try:
         yield
     except OSError as error:

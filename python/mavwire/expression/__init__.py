@@ -3,8 +3,8 @@
 A text such as ``ATTITUDE.roll>0.5`` or ``mag_field(RAW_IMU){MAV.flightmode=="AUTO"}`` comes from
 command lines, saved graphs and other people's files, so it must not be able to run code. It is
 parsed once, every construct is checked against a whitelist, and the tree is turned into nested
-closures that are kept for the next evaluation. Whatever is refused raises
-:class:`ExpressionError`, which names the construct and its column.
+closures that are kept for the next evaluation. A refused construct raises
+:class:`ExpressionError`, which names it and its column.
 
 What an expression may hold: literals, tuples, lists, sets and dicts; the names of the messages
 and of the functions of ``math``, ``mavextra`` and the harmless builtins; attributes, items and

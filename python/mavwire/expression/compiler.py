@@ -6,7 +6,7 @@ evaluation, and returns the value, so an evaluation is a few Python calls. The u
 conditions, ``NAME.field`` and a comparison with a constant, are single closures.
 
 A value is charged to the budget where an operation, a call or a list makes it, unless it is a number
-or None. In a loop, which is where the variables are a scope, it is charged to whatever goes through it too.
+or None. In a loop, where the variables are a `Scope`, each use of a value is charged too.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ _WORDS: dict[type[ast.AST], str] = {
 
 
 def _in_words(node: ast.AST) -> str:
-    """What somebody wrote who does not know the names of Python's parser."""
+    """A construct in words for users who do not know the names of Python's parser."""
     return _WORDS.get(type(node), "this")
 
 

@@ -1,6 +1,6 @@
 """``EXPR`` and ``EXPR{COND}``: from a text to a value, with pymavlink's outcomes.
 
-None stands for "no value now": the condition does not hold or fails, a message has not been seen,
+None means "no value now": the condition does not hold or fails, a message has not been seen,
 a division by zero, an instance or item that is not there. Other errors are the caller's to see.
 """
 

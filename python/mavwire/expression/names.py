@@ -68,7 +68,7 @@ def load_user_functions(path: str | PathLike[str]) -> list[str]:
     """Run the Python file at ``path`` and make its public functions known; returns their names.
 
     This executes the file. pymavlink does so with ``~/.pymavlink/mavextra.py`` whenever it is
-    imported; mavwire does so only here. Raises OSError and whatever the file raises.
+    imported; mavwire does so only here. Raises OSError, and all errors of the file.
     """
     with open(path, encoding="utf-8") as source:
         text = source.read()

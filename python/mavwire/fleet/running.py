@@ -119,7 +119,7 @@ def _statuses(
     def ask(path: str) -> tuple[int, int] | Exception:
         try:
             return status(path, options)
-        except Exception as error:  # whatever fsspec's file systems raise
+        except Exception as error:  # file systems of fsspec raise errors of any type
             return error
 
     with ThreadPoolExecutor(LOOKERS) as pool:
@@ -185,7 +185,7 @@ class _Run:
             self._finish(row)
 
     def work(self, client: Any, todo: list[Piece]) -> None:
-        """Have all of it done. What was done is in the journal, whatever happens."""
+        """Convert everything. The journal has each finished log, also after an error."""
         from distributed import as_completed
 
         pending = as_completed(self._begin_tasks(client, todo), loop=client.loop)

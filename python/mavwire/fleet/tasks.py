@@ -69,9 +69,7 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
             row = job.run(piece.path, piece.name, source)
             publish(folder, row, recipe)
             return row
-    except (
-        Exception
-    ) as error:  # whatever fsspec's file systems raise: one log does not end the rest
+    except Exception as error:  # file systems of fsspec raise errors of any type
         return Converted(piece.path, piece.name, error=in_words(error, piece.path))
 
 
@@ -85,7 +83,7 @@ def publish(folder: str, made: Converted, recipe: Recipe) -> None:
         for name in names:
             store.publish(os.path.join(folder, *name.split("/")), name)
             made.stale.append(name)
-    except Exception as error:  # whatever fsspec's file systems raise
+    except Exception as error:  # file systems of fsspec raise errors of any type
         made.files, made.rows, made.error = {}, 0, in_words(error)
     else:
         made.files, made.stale = names, []

@@ -30,8 +30,8 @@ class Log:
     ) -> dict[str, Table]:
         """Tables of several types in one pass: `mavwire.read` on this log.
 
-        Those of a telemetry log hold what `resync="rescan"` finds, whatever it was opened with. A dataflash log
-        is of one system: ValueError for `systems`. It has no enums and no invalid values.
+        Those of a telemetry log always hold what `resync="rescan"` finds. A dataflash log is of one
+        system: ValueError for `systems`. It has no enums and no invalid values.
         """
         self._check_open()
         return self._read(types, wide, query)
@@ -63,7 +63,7 @@ class Log:
         if method == "linear":
             query["invalid"] = query.get("invalid") or "null"
         names = names_of(types)
-        fields = separate_fields(query, wide=True)  # all columns, whatever is wanted
+        fields = separate_fields(query, wide=True)  # all columns, also unwanted ones
         wanted = {*names, on} if on is not None else set(names)
         every = self.read(sorted(wanted), **query)
         if fields is not None:

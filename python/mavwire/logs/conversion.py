@@ -49,7 +49,7 @@ BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 2
 """To be raised when the same options come to give other files: those of before are made anew."""
-INTERNAL = ("unknown", "untimed", "batch_rows", "batch_bytes", "foreign")
+INTERNAL = ("unknown", "batch_rows", "batch_bytes", "foreign")
 """What of a selection makes no difference to files."""
 
 

@@ -48,7 +48,7 @@ class DataflashLog(Log):
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Opened anew by its path, in whatever process."""
+        """Unpickling opens the log by its path."""
         return DataflashLog, (self.path,), {"closed": self.closed}
 
     def _known(self) -> tuple[tuple[int, int], DataflashTables | None]:

@@ -15,7 +15,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 Types = str | type | Iterable[str | type] | None
-"""Names or message classes, one or several; None stands for all."""
+"""Names or message classes, one or several; None means all."""
 
 
 class Records(TypedDict, total=False):
@@ -35,7 +35,7 @@ class Values(Records, total=False):
 
 
 class Query(Values, total=False):
-    """Which records and fields to read, and how values are shown. None stands for all, and for values as they are sent.
+    """Which records and fields to read, and how values are shown. None means all, and values as sent.
 
     - `systems`: system ids, one or several.
     - `start`, `end`: records with `start <= time < end`. A time is seconds since 1970, a datetime, or a
@@ -84,7 +84,7 @@ def takes(query: type, *positional: str) -> Callable[[Callable[P, T]], Callable[
 def _parameters(
     own: inspect.Signature, query: type, positional: tuple[str, ...]
 ) -> Iterator[Parameter]:
-    """Those of a function, with the names of a query in the place of `*positional` and `**query`."""
+    """The parameters of a function, with those of a query in place of `*positional` and `**query`."""
     every = own.parameters.values()
     yield from (one for one in every if one.kind is Parameter.POSITIONAL_OR_KEYWORD)
     names = query.__annotations__

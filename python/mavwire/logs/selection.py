@@ -34,7 +34,7 @@ HEADER = ("timestamp", "sysid", "compid", "seq")
 
 @dataclass
 class Selection:
-    """The attributes that `LogColumns` and `Converter` read; None stands for all."""
+    """The attributes that `LogColumns` and `Converter` read; None means all."""
 
     types: list[int] | None = None
     unknown: list[int] | None = None
@@ -52,7 +52,6 @@ class Selection:
     csv_safe: bool = False
     """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     untimed: bool = False
-    """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
     batch_bytes: int | None = None
     foreign: dict[str, str] | None = None
@@ -236,7 +235,7 @@ def _unknown_id(name: str) -> int:
 
 
 def no_message(dialect: Any, name: object) -> str:
-    """What to say of a message that a dialect does not have."""
+    """The error for a message that a dialect does not have."""
     names = [key.removeprefix(_ID) for key in vars(dialect) if key.startswith(_ID)]
     names = [one for one in names if has_message(dialect, one)]
     hint = did_you_mean(name.upper(), names) if isinstance(name, str) else ""

@@ -42,7 +42,7 @@ class Table:
     @classmethod
     def from_arrow(cls, table: Any, name: str) -> Table:
         """A table of anything that has `__arrow_c_stream__` (of pyarrow, polars, DuckDB), over the
-        same memory, for `write`, `align` and the rest; `name` stands for the message type.
+        same memory, for `write`, `align` and the rest; `name` is its message type.
 
         Columns of kinds that tables of logs have not are copied, which needs pyarrow: times become
         microseconds, texts and categories those of this package. Columns of others (booleans,

@@ -91,7 +91,7 @@ class TelemetryLog(Log):
         return f"<TelemetryLog {self.path!r}{' (closed)' if self.closed else ''}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Opened anew by path and arguments, in whatever process."""
+        """Unpickling opens the log by its path and arguments."""
         arguments = self.path, portable(self._dialect), self.resync
         return _reopened, arguments, {"closed": self.closed}
 
@@ -108,7 +108,7 @@ class TelemetryLog(Log):
 
         `types`: names or message classes, one or several; "UNKNOWN" is every unknown id and
         "UNKNOWN_<id>" one of them. `systems`: system ids. Times are seconds since 1970 or
-        datetimes. None stands for all. ValueError names a type that the dialect does not have.
+        datetimes. None means all. ValueError names a type that the dialect does not have.
         """
         selection = Selection.of(self.dialect, types, **query)
         selection.check_telemetry()

@@ -144,7 +144,7 @@ def expected_mag_yaw(
     pitch_adjust: float = 0,
     yaw_adjust: float = 0,
 ) -> Vector3:
-    """What the compass should read with the yaw that it gives itself, whatever ``yaw_adjust``."""
+    """The expected reading of the compass at the yaw that it measures itself. ``yaw_adjust`` is ignored."""
     field = expected_earth_field(GPS)
     euler = radians(ATT.Roll), radians(ATT.Pitch), radians(mag_yaw(GPS, ATT, MAG))
     return _in_body(field, euler, (roll_adjust, pitch_adjust, 0))

@@ -90,7 +90,7 @@ def mix2(servo1: float, servo2: float, mixtype: int = 1, gain: float = 0.5) -> f
 
 
 def armed(HEARTBEAT: Any) -> int:
-    """1 if armed, else 0; a ground station's heartbeat stands for the open link's vehicle."""
+    """1 if armed, else 0. At the heartbeat of a ground station it is the state of the open link."""
     if HEARTBEAT.type == _GCS:
         return int(bool(state.current_link().motors_armed()))
     return int(bool(HEARTBEAT.base_mode & _SAFETY_ARMED))

@@ -86,7 +86,7 @@ def plot(
     vehicle's id, by default the first autopilot that is heard. `relative` counts seconds from the
     first value of each log, so that several can be compared; `timeshift` is added to the times of
     the first log. `modes` shades the flight modes of the first log that is drawn, which `flightmode` reads as
-    those of ArduPilot ("apm") or PX4 ("px4") whatever a telemetry log says. Raises OSError for files
+    those of ArduPilot ("apm") or PX4 ("px4") in place of the log's own. Raises OSError for files
     that cannot be read or written, ImportError where matplotlib is missing, ValueError for what
     cannot be plotted.
     """

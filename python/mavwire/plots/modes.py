@@ -20,7 +20,7 @@ COLOURS = (
     "#ff9da6", "#79706e",
 )  # fmt: skip
 MOST_SPANS = 10_000
-"""Changes of mode that are shown; whoever makes a log chooses their number."""
+"""Limit of the changes of mode that are shown: a forged log may have any number."""
 UNKNOWN = "UNKNOWN"
 EQUIPMENT = NOT_VEHICLES | {5, *range(30, 35), *range(36, 43), 44, 48}
 """Values of MAV_TYPE for equipment that may have an autopilot: antenna trackers, cameras, winches

@@ -22,8 +22,8 @@ from mavwire.cli._errors import CommandError
 # come first.
 PTH_NAME = "zz_mavwire_alias.pth"
 
-# One line, or site.py would not run it. Whatever goes wrong here would be reported at every start
-# of Python, also long after mavwire has gone: so it is silent, and --status finds out.
+# One line, or site.py would not run it. It hides errors: Python would report them at each start, also
+# after mavwire is uninstalled. --status finds them.
 PTH_LINE = (
     'import sys; exec("try:\\n from mavwire._alias import install_for_environment as _install'
     '\\n _install()\\nexcept Exception:\\n pass", {})\n'

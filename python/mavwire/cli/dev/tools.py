@@ -59,7 +59,7 @@ def _install(folder: str) -> int:
         if os.path.lexists(path) and not _is_own(path):
             foreign.append(name)
             continue
-        _write(path, verb)
+        replace_text(path, _script(verb), permissions=0o755)
         written += 1
     print(f"{written} scripts written to {folder}")
     if foreign:
@@ -68,11 +68,6 @@ def _install(folder: str) -> int:
             " 'mavwire VERB' runs mavwire's all the same"
         )
     return 1 if foreign else 0
-
-
-def _write(path: str, verb: str) -> None:
-    """Whoever runs the script meanwhile gets the old one or the new one."""
-    replace_text(path, _script(verb), permissions=0o755)
 
 
 def _script(verb: str) -> str:
@@ -86,8 +81,8 @@ def _script(verb: str) -> str:
 
 
 def _launch(interpreter: str) -> str:
-    """The first lines of a script for this interpreter. The kernel ends its path at a space, and at
-    some length: there a shell starts it, and Python sees a text in the shell's words.
+    """The first lines of a script for this interpreter. The kernel cuts its path at a space and at some
+    length. A shell starts such a path, and Python reads the line of the shell as a string.
     """
     if " " not in interpreter and len(interpreter) <= MOST_SHEBANG:
         return f"#!{interpreter}\n"

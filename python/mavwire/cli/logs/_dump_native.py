@@ -23,7 +23,7 @@ NO_SOURCE = -1
 
 
 def options_fit(args: Namespace) -> bool:
-    """Whether the native loop knows everything that is asked for."""
+    """Whether the native loop supports all options of the command line."""
     return (
         not any(getattr(args, name) for name in SLOW_OPTIONS)
         and args.format != "mat"
@@ -48,8 +48,8 @@ def fits(args: Namespace, log: Any) -> bool:
 
 
 def open_without_index(args: Namespace) -> Any:
-    """A telemetry log that is to be read from end to end, which takes no index: it costs time, and
-    memory that grows with the log. None where something else may come out than with one.
+    """A telemetry log without an index, which would cost time and memory. None where the output may
+    differ from that with an index.
     """
     from mavwire import mavutil
     from mavwire._native import LogKind
@@ -60,7 +60,7 @@ def open_without_index(args: Namespace) -> Any:
     if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) is not LogKind.TLOG:
         return None
     log = mavutil.mavlogfile(args.log)
-    # From the first good record on, the reader's state is the same whatever was read before.
+    # After the first good record the state of the reader does not depend on what was read before.
     first = log.recv_msg()
     if first is None or first.get_msgId() < 0 or not fits(args, log):
         log.close()
@@ -103,5 +103,5 @@ def dump(
 
 
 def _byte(number: int | None) -> int | None:
-    """A number that may be any, as one that stands for no source or link if it can be none."""
+    """The id of a source or link; `NO_SOURCE` for a number that is no id."""
     return number if number is None or 0 <= number <= 255 else NO_SOURCE

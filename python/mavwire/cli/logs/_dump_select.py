@@ -15,9 +15,9 @@ from mavwire.cli._message_types import unknown
 if TYPE_CHECKING:
     from mavwire.cli._reading import Reading
 
-# What `--meta` shows whether the condition holds or not: how a dataflash log describes itself.
+# Types that `--meta` shows at any condition: how a dataflash log describes itself.
 META = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "EV", "CMD", "MAVC", "VER"))
-# What `--parms` copies into the output whatever else is asked for.
+# Types that `--parms` copies into the output beside the wanted ones.
 PRESERVED = frozenset(("PARAM_VALUE", "PARM", "FMT", "FMTU", "UNIT", "MULT"))
 # The types that `--reduce` thins out: these, and those that begin with one of the prefixes.
 STREAMED = frozenset(
@@ -115,7 +115,7 @@ class Selection:
 
 
 def unknown_types(args: Namespace, log: Any) -> list[str]:
-    """What to say of each name in `--types` that is no message type, and no pattern of some."""
+    """A warning for each name in `--types` that is no message type, and no pattern of some."""
     return unknown(filter(None, _patterns(args.types) or ()), log, patterns=True)
 
 

@@ -1,8 +1,8 @@
 """`mavwire dump LOG`: print the messages of a log, with the options and the output of mavlogdump.
 
 LOG is a telemetry or dataflash log, or any link that mavutil opens (`udpin:0.0.0.0:14550`), which
-`--follow` keeps reading. Most dumps of telemetry logs run in a native loop; whatever needs a
-message object goes through `recv_match`. Both write the same bytes.
+`--follow` keeps reading. Most dumps of telemetry logs run in a native loop; options that need
+message objects use `recv_match`. Both write the same bytes.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def main(args: Namespace) -> int:
 
 
 def _check_possible(args: Namespace, log: Any) -> None:
-    """Say what dataflash and CSV logs do not have, instead of showing nothing."""
+    """CommandError for options that dataflash and CSV logs do not support."""
     if kind_of(log) == "telemetry":
         return
     shown = not args.quiet
@@ -167,7 +167,7 @@ def _profiled() -> Iterator[None]:
 
 
 class Writer:
-    """Standard output for UTF-8 lines, whatever it is: a file, a terminal, or a test's buffer."""
+    """Standard output for UTF-8 lines: a file, a terminal, or a buffer of a test."""
 
     def __init__(self) -> None:
         self._file = sys.stdout

@@ -173,7 +173,7 @@ class Series:
     def _value(self, text: str, messages: Mapping[str, Any]) -> Any:
         try:
             return evaluate_expression(text, messages)
-        except Exception as error:  # whatever a function of an expression raises
+        except Exception as error:  # functions of expressions raise errors of any type
             raise CommandError(f"{text!r}: {in_words(error)}") from error
 
     def tell_why_nothing(self, messages: Mapping[str, Any]) -> None:
