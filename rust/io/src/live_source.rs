@@ -55,9 +55,9 @@ pub struct LiveSource {
 }
 
 impl LiveSource {
-    /// It is time to look after the client and the log, if there is one, and the next time is after `interval`.
-    pub fn is_time_to_tend(&mut self, logs: bool, now: Instant, interval: Duration) -> bool {
-        let is_due = (logs || self.serves_one) && self.next_tending.is_none_or(|due| now >= due);
+    /// It is time to look after the client of a server, and the next time is after `interval`.
+    pub fn is_time_to_tend(&mut self, now: Instant, interval: Duration) -> bool {
+        let is_due = self.serves_one && self.next_tending.is_none_or(|due| now >= due);
         if is_due {
             self.next_tending = now.checked_add(interval);
         }

@@ -91,10 +91,9 @@ fn next_received<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Option<Option<Boun
     Ok(Some(None))
 }
 
-/// Now and then lets Python flush the log and see whether somebody waits for a client that says nothing sensible.
+/// Now and then lets Python see whether somebody waits for a client that says nothing sensible.
 fn tend(slf: &Bound<'_, LiveLink>) -> PyResult<()> {
-    let records = slf.as_super().get().state().records_messages();
-    if slf.get().source().is_time_to_tend(records, Instant::now(), TEND_INTERVAL) {
+    if slf.get().source().is_time_to_tend(Instant::now(), TEND_INTERVAL) {
         slf.invoke_method0(intern!(slf.py(), "_tend"))?;
     }
     Ok(())
