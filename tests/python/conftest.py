@@ -74,4 +74,4 @@ def own_signing_streams(monkeypatch: pytest.MonkeyPatch) -> None:
     if importlib.util.find_spec("mavwire") is not None:
         from mavwire.links import signing
 
-        monkeypatch.setattr(signing, "_with_key", signing.WeakRegistry())
+        monkeypatch.setattr(signing, "_with_key", [])

@@ -7,6 +7,7 @@ replayed on another.
 from __future__ import annotations
 
 import time
+from _weakref import ref
 
 from mavwire._native import Section
 from mavwire._native import Signing as SigningState
@@ -14,7 +15,6 @@ from mavwire._native import Signing as SigningState
 from . import state
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .warn import warn
-from .weak_registry import WeakRegistry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ MAX_LINK_ID = 255
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
 
-# The signing states that have a key.
-_with_key = WeakRegistry()
+# The signing states that have a key. There are no callbacks when one goes: in a signal handler their exceptions get lost.
+_with_key: list[ref[Any]] = []
 # For them, and for the number of the next link. What runs when an object goes may set up signing, too.
 _section = Section()
 
@@ -83,12 +83,18 @@ def allow_radio_status(mav: Any, msgid: int) -> bool:
     return msgid in RADIO_MESSAGES
 
 
+def _others(signing: Any) -> list[Any]:
+    """The other signing states that have a key."""
+    living = (noted() for noted in _with_key)
+    return [one for one in living if one is not None and one is not signing]
+
+
 def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
     """Use what was `prepared`, and share the streams of a link that has the same key."""
     signing._set_up(*arguments)
-    any(signing._share(other) for other in list(_with_key))
-    _with_key.discard(signing)  # it may have had a key
-    _with_key.add(signing)
+    others = _others(signing)
+    any(signing._share(other) for other in others)
+    _with_key[:] = map(ref, (*others, signing))
 
 
 def _callback(given: Any) -> Any:
@@ -123,7 +129,7 @@ def _tried(
 
 def _forget_key(signing: Any) -> None:
     signing._set_up(None, False, None, 0, 0, False, None, None)
-    _with_key.discard(signing)
+    _with_key[:] = map(ref, _others(signing))
 
 
 def _next_link_id() -> int:

@@ -11,12 +11,10 @@ import errno
 import os
 import stat
 import time
-from _thread import get_ident
 from functools import partial
 from io import FileIO
 from time import monotonic
 
-from .forks import follow_forks
 from .readiness import from_handler
 from .signing_time import MAX_TIMESTAMP
 from .warn import warn
@@ -46,9 +44,6 @@ class TimestampStore:
         self.path = path
         # Daemons change their folder.
         self._path = os.path.abspath(os.fsdecode(path))
-        # Files that may be locked, and the threads that have them.
-        self._open: dict[FileIO, int] = {}
-        follow_forks(self, TimestampStore._close_copies)
 
     def load(self) -> int:
         """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
@@ -68,14 +63,10 @@ class TimestampStore:
     def _save(self, timestamp: int, patience: float) -> None:
         with _made(self._path) as file:
             try:
-                self._open[file] = get_ident()
                 _lock(file.fileno(), self._path, patience)
                 self._put(file.fileno(), timestamp)
             finally:
-                try:
-                    _unlock(file.fileno())
-                finally:
-                    self._open.pop(file, None)
+                _unlock(file.fileno())
 
     def _put(self, fd: int, timestamp: int) -> None:
         """Write `timestamp` over the earlier of both, unless one is as late."""
@@ -88,13 +79,6 @@ class TimestampStore:
                 os.ftruncate(fd, 0)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
         os.fsync(fd)
-
-    def _close_copies(self) -> None:
-        """In a forked process: what other threads have locked stays so for as long as there is a copy."""
-        for file, thread in list(self._open.items()):
-            if thread != get_ident():
-                del self._open[file]
-                file.close()
 
     def _slots(self, fd: int) -> list[int]:
         """What the slots hold; 0 for one that was never written, or not to its end."""

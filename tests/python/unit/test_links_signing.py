@@ -114,7 +114,7 @@ def test_a_stored_timestamp_survives_a_clock_that_went_back(tmp_path):
     path = tmp_path / "timestamps"
     link = link_with_key(initial_timestamp=5_000_000, timestamp_store=path)
     before = sent_timestamp(link)
-    signing_module._with_key.discard(link.mav.signing)
+    signing_module._with_key.clear()
     restarted = link_with_key(initial_timestamp=7, timestamp_store=str(path))
     assert before < sent_timestamp(restarted) <= before + 2 * RESERVE
 
@@ -444,11 +444,11 @@ class Interrupting:
     def __init__(self, link: Capture) -> None:
         self.link = link
 
-    def send(self, *_):
+    def __iter__(self):
         self.link.mav.send(HEARTBEAT)
         return iter(())
 
-    __iter__ = add = discard = send
+    def __setitem__(self, *_): ...
 
 
 def test_what_is_sent_in_the_middle_of_a_set_up_has_all_of_it_or_nothing(monkeypatch):
@@ -457,7 +457,7 @@ def test_what_is_sent_in_the_middle_of_a_set_up_has_all_of_it_or_nothing(monkeyp
     link.setup_signing(KEY, initial_timestamp=5, link_id=9)
     link.disable_signing()
     *frames, unsigned = [bytes(link.tx[at : at + 34]) for at in range(0, len(link.tx), 34)]
-    assert len(frames) > 1
+    assert frames
     for number, frame in enumerate(frames):
         assert (frame[2], frame[21]) == (1, 9)
         assert int.from_bytes(frame[22:28], "little") == 5 + number
