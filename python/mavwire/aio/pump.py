@@ -12,15 +12,12 @@ from collections.abc import Callable
 from typing import Any
 
 from mavwire._native import LiveLink, receive_batch
-from mavwire.links.one_client import AcceptError
 
 from .feed import Feed
 from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 
 # Messages that one turn takes at most: about 0.1 ms.
 PORTION = 64
-# How long a server is left alone that cannot accept its client, in seconds.
-ACCEPT_PAUSE = 1.0
 
 
 class Pump:
@@ -40,8 +37,6 @@ class Pump:
         self._watched: Descriptor | None = None
         self._handle: asyncio.Handle | None = None
         self._is_running = False
-        # The client who stands at the door would wake us over and over.
-        self._is_paused = False
         self._is_native = isinstance(sync, LiveLink)
 
     def start(self) -> None:
@@ -52,15 +47,13 @@ class Pump:
 
     def stop(self) -> None:
         """Leave the link alone."""
-        self._is_running = self._is_paused = False
+        self._is_running = False
         self._unwatch()
         self._forget_turn()
 
     def check(self) -> None:
         """Follow the link to another descriptor, after something else than reading used it."""
-        if not self._is_running or self._is_paused:
-            return
-        if descriptor_of(self._sync) != self._watched:
+        if self._is_running and descriptor_of(self._sync) != self._watched:
             self._watch()
             self._forget_turn()  # which may be some time off
             self._soon()
@@ -80,16 +73,10 @@ class Pump:
 
     def _turn(self) -> None:
         self._handle = None
-        self._is_paused = False
         more, error = self._portion()
         if self._is_running:
             self._turned(error)
         if not self._is_running:
-            return
-        if isinstance(error, AcceptError):
-            self._is_paused = True
-            self._unwatch()
-            self._handle = self._loop.call_later(ACCEPT_PAUSE, self._turn)
             return
         self._watch()
         if more or error is not None:

@@ -64,10 +64,6 @@ class OneClientServer(Transport):
 
     look_interval = 5.0
 
-    def __init__(self, sync: Any) -> None:
-        super().__init__(sync)
-        sync.waits_for_descriptors = False  # the loop does
-
     def look(self) -> None:
         self.sync._tend()
 

@@ -45,16 +45,10 @@ def listen_on(address: tuple[str, int]) -> Any:
     return listener
 
 
-class AcceptError(OSError):
-    """The client who waits cannot be accepted now: there is no descriptor for it, or no memory."""
-
-
 class OneClientLink(StreamLink):
     """A server for one client at a time; `listen` is its listening socket."""
 
     listen: Any
-    # Whether reading takes a moment where a client cannot be accepted, or raises AcceptError.
-    waits_for_descriptors = True
     # Clients that had to go.
     clients_replaced = 0
     # Why the client at the door cannot be taken, as was logged.
@@ -75,8 +69,6 @@ class OneClientLink(StreamLink):
         except OSError as error:
             if error.errno in CLOSED or from_handler(error):
                 raise
-            if not self.waits_for_descriptors:
-                raise AcceptError(error.errno, error.strerror) from error
             self._say_why(error)
             self._is_refusing = True
             return None

@@ -73,8 +73,8 @@ class mavtcpin(OneClientLink):
         return data
 
     def _look_for_client(self) -> None:
-        """Take a client who waits, for programs that only send. In asyncio the loop does."""
-        if self._closed or not self.waits_for_descriptors:
+        """Take a client who waits, for programs that only send."""
+        if self._closed:
             return
         try:
             self._has_client()

@@ -100,15 +100,13 @@ def test_who_is_cancelled_does_not_wait_for_a_peer_that_reads_slowly():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits of descriptors differ")
-def test_without_descriptors_a_server_says_so_now_and_then():
+def test_without_descriptors_a_server_says_so_once():
     program = """
 import asyncio, os, resource, socket
 from mavwire import aio
 from unit.link_tools import heartbeat
 
 async def main():
-    failures = []
-    asyncio.get_running_loop().set_exception_handler(lambda _, found: failures.append(found))
     async with aio.connect("tcpin:127.0.0.1:0") as link:
         client = socket.socket()
         _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -121,8 +119,8 @@ async def main():
             pass
         client.connect(link.sync.listen.getsockname())
         client.sendall(heartbeat(5))
-        await asyncio.sleep(1.5)
-        assert 1 <= len(failures) < 100, len(failures)
+        await asyncio.sleep(0.5)
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
         for one in used:
             os.close(one)
         assert (await link.recv_match(timeout=60)).get_seq() == 5
@@ -130,52 +128,11 @@ async def main():
 asyncio.run(main())
 """
     done = python(program)
-    assert (done.returncode, done.stderr) == (0, "")
+    told = "tcpin:127.0.0.1:0: a client cannot be served: [Errno 24] Too many open files; trying again\n"
+    assert (done.returncode, done.stderr) == (0, told)
 
 
-class Refusing:
-    """A listening socket that accepts nobody."""
-
-    def __init__(self, listen, number):
-        self._listen = listen
-        self._number = number
-        self.attempts = 0
-
-    def accept(self):
-        self.attempts += 1
-        raise OSError(self._number, os.strerror(self._number))
-
-    def __getattr__(self, name):
-        return getattr(self._listen, name)
-
-
-@pytest.mark.parametrize("name", ["ENOBUFS", "ENOMEM", "EPERM", "EMFILE"])
-@pytest.mark.parametrize("kind", ["tcpin", "wsserver"])
-def test_a_client_that_cannot_be_accepted_is_left_alone_whoever_sends(kind, name, monkeypatch):
-    if kind == "wsserver":
-        pytest.importorskip("wsproto")
-    monkeypatch.setattr("mavwire.aio.pump.ACCEPT_PAUSE", 3600)
-
-    async def main():
-        failures = []
-        asyncio.get_running_loop().set_exception_handler(lambda _, found: failures.append(found))
-        async with aio.connect(f"{kind}:127.0.0.1:0") as link:
-            listen = link.sync.listen = Refusing(link.sync.listen, getattr(errno, name))
-            with socket.create_connection(listen.getsockname()):
-                await eventually(lambda: failures)
-                for _ in range(50):
-                    link.mav.heartbeat_send(6, 8, 0, 0, 0)
-                    link._live._look()
-                    await asyncio.sleep(0)
-            assert (listen.attempts, len(failures)) == (1, 1)
-            assert failures[0]["exception"].errno == getattr(errno, name)
-
-    run(main())
-
-
-def test_errors_of_hooks_do_not_stop_reading(monkeypatch):
-    monkeypatch.setattr("mavwire.aio.pump.ACCEPT_PAUSE", 3600)
-
+def test_errors_of_hooks_do_not_stop_reading():
     def hook(link, msg):
         raise OSError(errno.EMFILE, "no file for a log")
 
