@@ -27,27 +27,7 @@ from ._ftp.result import DirectoryEntry, FtpError, MAVFTPReturn
 from ._ftp.settings import MAVFTPSetting, MAVFTPSettings
 from ._ftp.wire import HEADER, MAX_PAYLOAD
 from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
-from .mavftp_op import (
-    FTP_OP,
-    OP_Ack,
-    OP_BurstReadFile,
-    OP_CalcFileCRC32,
-    OP_CreateDirectory,
-    OP_CreateFile,
-    OP_ListDirectory,
-    OP_Nack,
-    OP_None,
-    OP_OpenFileRO,
-    OP_OpenFileWO,
-    OP_ReadFile,
-    OP_RemoveDirectory,
-    OP_RemoveFile,
-    OP_Rename,
-    OP_ResetSessions,
-    OP_TerminateSession,
-    OP_TruncateFile,
-    OP_WriteFile,
-)
+from .mavftp_op import *
 
 
 class _Mavftp(ReplaceableModule):
