@@ -93,7 +93,7 @@ class Connecting:
             )
         sync = await self._attempt(attempts, delay, options)
         try:
-            return Link(sync, backlog=self._backlog, reconnect_delay=delay)
+            return Link(sync, backlog=self._backlog)
         except BaseException:
             await close_in_background(lambda: _close(sync))
             raise

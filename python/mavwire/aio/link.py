@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.mavfile import mavfile
+from mavwire.links.mavfile import IDLE_INTERVAL, mavfile
 from mavwire.links.signing import prepared
 from mavwire.links.tlog import mavlogfile
 
@@ -23,7 +23,6 @@ from .log_feed import LogFeed
 from .outgoing import Outgoing
 from .parameters import Parameters
 from .pump import Pump
-from .reconnect import Reconnecting
 from .stream import Newest, Stream, newer
 from .texts import Texts
 from .timestamps import AheadStore
@@ -53,7 +52,7 @@ class Link(Parameters):
     what they come too late for is counted in `dropped`. Not for use from other threads.
     """
 
-    def __init__(self, sync: Any, *, backlog: int = BACKLOG, reconnect_delay: float = 1.0) -> None:
+    def __init__(self, sync: Any, *, backlog: int = BACKLOG) -> None:
         self.sync = sync
         self._loop = asyncio.get_running_loop()
         self._positions: weakref.WeakKeyDictionary[Any, Position] = weakref.WeakKeyDictionary()
@@ -65,7 +64,7 @@ class Link(Parameters):
             self._feed = LogFeed(self._loop, sync)
         else:
             self._feed = Feed(self._loop, backlog)
-            self._live = _Live(self._loop, sync, self._feed, reconnect_delay)
+            self._live = _Live(self._loop, sync, self._feed)
         super().__init__()
 
     def __repr__(self) -> str:
@@ -255,7 +254,7 @@ class Link(Parameters):
                 with suppress(TimeoutError):
                     async with asyncio.timeout(CLOSE_TIMEOUT):
                         await self._live.outgoing.drain()
-            await self._live.stop()
+            self._live.stop()
         self._feed.end(LinkClosedError(f"{self!r} is closed"))
         if hasattr(self.sync, "close"):
             await close_in_background(self.sync.close)
@@ -271,9 +270,7 @@ class Link(Parameters):
 class _Live:
     """What a link that is no log has running: reading, sending, connecting again."""
 
-    def __init__(
-        self, loop: asyncio.AbstractEventLoop, sync: Any, feed: Feed, reconnect_delay: float
-    ) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, sync: Any, feed: Feed) -> None:
         self._loop = loop
         self._sync = sync
         self._feed = feed
@@ -282,34 +279,29 @@ class _Live:
         self.outgoing = Outgoing(
             loop, self._transport.sender(), lambda: self.connected, self._failed, self._written
         )
-        self._reconnect_delay = reconnect_delay
-        self._reconnecting = Reconnecting(loop, self._transport.reopen, reconnect_delay)
         sync.mav.file = self.outgoing
         self._transport.moved = self._follow
         self.connected = False
-        # When the link was connected, and the messages that had come by then.
-        self._connected_at = 0.0
-        self._received = 0
         self._look_timer: asyncio.TimerHandle | None = None
+        self._retry_timer: asyncio.TimerHandle | None = None
         if self._transport.is_there():
             self._begin()
         else:
             self._lost(None)
         self._look_later()
 
-    async def stop(self) -> None:
+    def stop(self) -> None:
         """Leave the link to whoever closes it."""
         self.connected = False
         self.pump.stop()
         self.outgoing.stop()
         self._transport.stop()
-        if self._look_timer is not None:
-            self._look_timer.cancel()
-        await self._reconnecting.stop()
+        for timer in (self._look_timer, self._retry_timer):
+            if timer is not None:
+                timer.cancel()
 
     def _begin(self) -> None:
         self.connected = True
-        self._connected_at, self._received = self._loop.time(), self._feed.count
         self.pump.start()
 
     def _look_later(self) -> None:
@@ -357,17 +349,16 @@ class _Live:
         address = self._sync.address
         if self._transport.reconnects:
             logger.info("%s: connection lost, connecting again", address)
-            has_lasted = self._loop.time() - self._connected_at >= self._reconnect_delay
-            at_once = has_lasted and self._feed.count > self._received
-            self._reconnecting.start(at_once, self._reconnected, self._gave_up)
+            self._try_again()
             return
-        self._gave_up(error, f"{address}: the other end is gone")
-
-    def _reconnected(self) -> None:
-        logger.info("%s: connected", self._sync.address)
-        self._begin()
-
-    def _gave_up(self, cause: BaseException | None, reason: str = "connecting failed") -> None:
-        end = LinkClosedError(reason)
-        end.__cause__ = cause
+        end = LinkClosedError(f"{address}: the other end is gone")
+        end.__cause__ = error
         self._feed.end(end)
+
+    def _try_again(self) -> None:
+        self._transport.try_again()
+        if self._transport.is_there():
+            logger.info("%s: connected", self._sync.address)
+            self._begin()
+        else:
+            self._retry_timer = self._loop.call_later(IDLE_INTERVAL, self._try_again)

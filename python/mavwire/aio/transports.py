@@ -1,14 +1,17 @@
 """What a link needs beyond mavutil's to live in a loop: how it loses its other end and gets it back.
 
-mavutil's links connect again while somebody calls `recv`, and block for as long as that takes. Here
-they are told not to, and reopened in the background.
+mavutil's links connect again while somebody calls `recv`. Here nobody does so while the other end is gone, and
+serial ports are opened in a thread, too.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
+from _thread import start_new_thread
 from collections.abc import Callable
+from contextlib import suppress
+from time import monotonic
 from typing import Any
 
 from mavwire._threads import NoThreadError
@@ -54,9 +57,8 @@ class Transport:
     def stop(self) -> None:
         """The link is being closed."""
 
-    async def reopen(self) -> None:
-        """One attempt to get the other end back; OSError if it is not there yet."""
-        raise ConnectionError("this link has no other end")
+    def try_again(self) -> None:
+        """Begin to get the other end back, beside the loop, if it is time to."""
 
 
 class OneClientServer(Transport):
@@ -95,25 +97,17 @@ class DatagramClient(Transport):
 
 
 class Client(Transport):
-    """Clients that connect, of which the link does not: it does so when somebody calls `recv`."""
+    """Clients that connect. The link of mavutil connects again in a thread."""
 
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
         self.reconnects = sync.autoreconnect
-        sync.autoreconnect = False
 
     def is_there(self) -> bool:
         return self.sync.port is not None
 
-    async def reopen(self) -> None:
-        try:
-            self.sync._use(await in_background(self.sync._connect, self._discard))
-        except OSError as error:
-            self.sync._note_failure(error)
-            raise
-
-    def _discard(self, connection: Any) -> None:
-        connection.close()
+    def try_again(self) -> None:
+        self.sync._begin_attempt()
 
 
 class StreamClient(Client):
@@ -122,15 +116,7 @@ class StreamClient(Client):
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
         # Which would print.
-        sync.handle_eof = sync.handle_disconnect = sync._lost
-
-
-class WebSocketClient(Client):
-    """WebSocket clients, which always reconnect."""
-
-    def _discard(self, connection: Any) -> None:
-        port, _ = connection
-        port.close()
+        sync.handle_eof = sync.handle_disconnect = lambda: None
 
 
 class SerialPort(Client):
@@ -138,6 +124,7 @@ class SerialPort(Client):
 
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
+        self.reconnects, sync.autoreconnect = sync.autoreconnect, False
         sync._say = lambda text: None  # programs look at `link.connected` or at the log
 
     def sender(self) -> SocketSender:
@@ -160,9 +147,15 @@ class SerialPort(Client):
         if self.is_there():
             self.sync._lost(self.sync.port)
 
-    async def reopen(self) -> None:
-        if not await in_background(self.sync.reset, lambda _: self.sync.port.close()):
-            raise ConnectionError(f"{self.sync.device} cannot be opened")
+    def try_again(self) -> None:
+        with suppress(RuntimeError):  # there is no thread to be had
+            self.sync._opening.start(start_new_thread, self._is_due, self._open)
+
+    def _is_due(self) -> bool:
+        return not self.is_there() and monotonic() >= self.sync._next_reset
+
+    def _open(self) -> None:
+        self.sync._reopen(only_when_due=True)
 
 
 class Child(Transport):
@@ -186,7 +179,7 @@ _KINDS: dict[str, Callable[[Any], Transport]] = {
     "mavtcpin": OneClientServer,
     "mavwebsocket": OneClientServer,
     "mavtcp": StreamClient,
-    "mavwebsocket_client": WebSocketClient,
+    "mavwebsocket_client": Client,
     "mavserial": SerialPort,
     "mavchildexec": Child,
 }

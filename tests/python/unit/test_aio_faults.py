@@ -193,6 +193,10 @@ class Threads:
 
         monkeypatch.setattr(threading.Thread, "start", attempt)
 
+    def start(self, function, arguments):
+        thread = threading.Thread(target=function, args=arguments, daemon=True)
+        thread.start()
+
 
 def test_without_a_thread_a_connection_is_made_again_later(monkeypatch):
     async def main():
@@ -200,6 +204,7 @@ def test_without_a_thread_a_connection_is_made_again_later(monkeypatch):
             device = f"tcp:127.0.0.1:{server.getsockname()[1]}"
             link = await aio.connect(device, autoreconnect=True, reconnect_delay=0.01)
             threads = Threads(monkeypatch)
+            monkeypatch.setattr("mavwire.links.reconnecting.start_new_thread", threads.start)
             threads.none = True
             server.accept()[0].close()
             await eventually(lambda: threads.refused > 2)
