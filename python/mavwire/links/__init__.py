@@ -3,3 +3,10 @@
 `mavwire.mavutil` is the public face of this package; user code imports from there. The modules
 here are cut by concern so that a program which opens one UDP port never pays for websockets.
 """
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any as Any
+else:
+    # `typing` takes longer to load than all of mavutil.
+    Any = object

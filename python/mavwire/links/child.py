@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import os
 
+from . import Any
 from .chunked import READ_SIZE
 from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class mavchildexec(StreamLink):

@@ -12,11 +12,8 @@ from __future__ import annotations
 from mavwire._hooks import quick_methods
 from mavwire._native import LiveLink
 
+from . import Any
 from .mavfile import link_dict, mavfile
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # Reads per call without a message coming out of them: a peer that sends garbage faster than it
 # is read must not keep a caller from looking at its timeout.

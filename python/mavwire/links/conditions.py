@@ -5,11 +5,7 @@ The evaluator and the function library behind it load when the first condition i
 
 from __future__ import annotations
 
-from . import state
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
+from . import Any, state
 
 
 def evaluate_expression(expression: str, vars: dict[str, Any], nocondition: bool = False) -> Any:

@@ -13,12 +13,9 @@ import os
 
 from mavwire._native import Section
 
+from . import Any
 from .readiness import from_handler
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # The locked file of each id -> its descriptor, which is open until the process ends.
 _held: dict[str, int] = {}

@@ -6,6 +6,7 @@ import sys
 
 from mavwire._native import PortError, ask_port, close_port
 
+from . import Any
 from .readiness import from_handler
 from .udp import DatagramLink
 from .waiting import (
@@ -16,10 +17,6 @@ from .waiting import (
     socket_address,
     split_host_port,
 )
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 DEFAULT_GROUP = "239.255.145.50"
 DEFAULT_PORT = 14550

@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import os
 
+from . import Any
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 mode_mapping_apm = {
     0: "MANUAL", 1: "CIRCLE", 2: "STABILIZE", 3: "TRAINING", 4: "ACRO", 5: "FBWA", 6: "FBWB",

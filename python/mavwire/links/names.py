@@ -11,11 +11,8 @@ import sys
 
 from mavwire._native import PortError, ask_port, close_port
 
+from . import Any
 from .readiness import from_handler, wait_writable
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # How long a wait goes on without a look at signals, in seconds.
 WAIT_SLICE = 0.1

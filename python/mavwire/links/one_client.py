@@ -11,14 +11,11 @@ from time import monotonic, sleep
 
 from mavwire._native import accept, close_port
 
+from . import Any
 from .readiness import from_handler, wait_readable
 from .stream import StreamLink
 from .waiting import address_family, bind, prepare_tcp, set_close_on_exec
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # A client that has sent no message for this long makes room when another one waits.
 CLIENT_SILENCE = 60.0

@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 import struct
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
+from . import Any
 
 # MAV_PARAM_TYPE of the integers -> their layout, filled up to the four bytes of a float.
 INTEGERS = {1: "<B3x", 2: "<b3x", 3: "<H2x", 4: "<h2x", 5: "<I", 6: "<i"}

@@ -5,9 +5,7 @@ from __future__ import annotations
 import errno
 import os
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
+from . import Any
 
 
 def wait_readable(fd: Any, timeout: float) -> bool:

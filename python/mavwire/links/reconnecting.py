@@ -11,13 +11,10 @@ from time import monotonic
 
 from mavwire._native import Exclusive
 
+from . import Any
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # Pauses between attempts double up to this many times the first one.
 MAX_BACKOFF = 16

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from mavwire._native import recordable
 
+from . import Any
 from .signing import KEY_LEN
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 SECRET_FIELD = "secret_key"
 # The id of the message with that field, which a dialect may lack.

@@ -5,11 +5,7 @@ from __future__ import annotations
 import time
 from time import monotonic
 
-from . import state
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
+from . import Any, state
 
 # SERIAL_CONTROL carries at most this many bytes.
 CHUNK = 70

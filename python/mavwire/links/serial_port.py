@@ -7,6 +7,7 @@ from time import monotonic
 
 from mavwire._native import Exclusive, close_port
 
+from . import Any
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
 from .readiness import from_handler, wait_writable
@@ -14,10 +15,6 @@ from .recognise import mode_of
 from .reconnecting import RetryingLink
 from .stream import DescriptorPort, PortError, StreamWriter, ask_port
 from .waiting import set_close_on_exec
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # Opening at this rate first makes a change of rate take effect on adapters that ignore
 # setting the rate they believe they already have.

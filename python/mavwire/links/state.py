@@ -12,9 +12,7 @@ import os
 import sys
 from types import ModuleType
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
+from . import Any
 
 DEFAULT_DIALECT = "all"
 DIALECTS = "mavwire.dialects"

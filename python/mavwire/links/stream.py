@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from mavwire._native import DescriptorPort, PortError, StreamWriter, ask_port
 
+from . import Any
 from .chunked import ChunkedLink
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 __all__ = ["DescriptorPort", "PortError", "StreamLink", "StreamWriter", "ask_port"]
 

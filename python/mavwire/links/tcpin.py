@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from mavwire._native import Exclusive
 
+from . import Any
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
 from .stream import PortError, StreamWriter, ask_port
 from .waiting import split_host_port
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class mavtcpin(OneClientLink):

@@ -13,12 +13,9 @@ import time
 from mavwire._hooks import quick_methods, warn_not_called
 from mavwire._native import LogLink
 
+from . import Any
 from .log_file import LogFile, LogPort
 from .mavfile import link_dict, mavfile
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # A record header of the planner format, which no program writes any more.
 PLANNER_TIME_LEN = 21

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from mavwire._native import close_port
 
+from . import Any
 from .names import connect
 from .tcp import CONNECT_TIMEOUT, mavtcp
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class mavuds(mavtcp):

@@ -8,13 +8,10 @@ import sys
 
 from mavwire._native import PortError, ask_port
 
+from . import Any
 from .names import is_numeric, look_up
 from .readiness import from_handler
 from .recognise import is_serial_name
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 MAX_PORT = 65535
 

@@ -10,6 +10,7 @@ import os
 
 from mavwire._native import Exclusive, TlsPort, close_port
 
+from . import Any
 from .chunked import READ_SIZE
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
@@ -17,10 +18,6 @@ from .readiness import from_handler
 from .reconnecting import ReconnectingLink
 from .stream import PortError, StreamLink, StreamWriter, ask_port
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 # How long a server's answer to the opening handshake may take.
 HANDSHAKE_TIMEOUT = 5.0
