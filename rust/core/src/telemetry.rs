@@ -2,6 +2,7 @@
 
 mod boot_clocks;
 mod boot_time;
+mod newest;
 mod reception;
 mod status_texts;
 mod steady_time;
@@ -9,6 +10,7 @@ mod stream_clock;
 
 pub use boot_clocks::BootClocks;
 pub use boot_time::BootTimes;
+pub use newest::{Kept, Newest, Room, Source};
 pub use reception::{RADIO, Reception, Sender};
 pub use status_texts::{MOST_OPEN, STATUSTEXT, StatusTexts, TextFields};
 pub use steady_time::{SteadyTime, is_jump_forward};

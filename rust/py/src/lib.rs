@@ -52,7 +52,7 @@ mod _native {
     #[pymodule_export]
     use crate::dump::log_dump::dump_log;
     #[pymodule_export]
-    use crate::link::instances::add_message_alone;
+    use crate::link::instances::add_message;
     #[pymodule_export]
     use crate::link::live_batch::receive_batch;
     #[pymodule_export]

@@ -1,6 +1,5 @@
 //! Links: what mavutil's connections keep of the messages that they receive, live or from a log.
 
-pub(crate) mod components;
 pub(crate) mod filter;
 pub(crate) mod instances;
 pub(crate) mod live_batch;
@@ -16,7 +15,6 @@ pub(crate) mod log_visits;
 pub(crate) mod log_wanted;
 pub(crate) mod message_source;
 pub(crate) mod methods;
-pub(crate) mod name_budget;
 pub(crate) mod params;
 pub(crate) mod peers;
 pub(crate) mod plain;

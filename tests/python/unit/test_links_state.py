@@ -144,14 +144,14 @@ def test_signing_keys_of_other_lengths_are_refused(key):
 
 def test_tables_keyed_by_the_peer_are_capped():
     """R68."""
-    instances, messages, params = 4096, 32768, 16384
+    of_system, shared, params = 512, 65_536, 16_384
     link = Capture()
-    for i in range(instances + 10):
+    for i in range(of_system + shared + 10):
         name = f"n{i}".encode()
         link.rx += pack(mavlink.MAVLink_named_value_float_message(1, name, i))
     for i in range(params + 10):
         link.rx += pack(mavlink.MAVLink_param_value_message(b"n%d" % i, i, 9, 1, 0))
-    for msgid in range(messages):
+    for msgid in range(of_system + 10):
         frame = bytearray(heartbeat())
         frame[7:10] = (900_000 + msgid).to_bytes(3, "little")
         link.rx += frame
@@ -159,9 +159,9 @@ def test_tables_keyed_by_the_peer_are_capped():
     link.rx += pack(mavlink.MAVLink_named_value_float_message(1, b"n7", 0.5))
     drain_in_portions(link)
     kept = link.sysid_state[1].messages
-    assert sum(key.startswith("NAMED_VALUE_FLOAT[") for key in kept) == instances
+    assert sum(key.startswith("NAMED_VALUE_FLOAT[") for key in kept) == of_system + shared
     assert (kept["NAMED_VALUE_FLOAT"].value, kept["NAMED_VALUE_FLOAT[n7]"].value) == (0.5, 0.5)
-    assert len(link.sysid_state[0].messages) == messages
+    assert len(link.sysid_state[0].messages) == of_system
     kept = link.param_state[(1, 1)].params
     assert (len(kept), kept["n1"], kept[f"n{params - 1}"]) == (params, 99, params - 1)
 

@@ -115,7 +115,7 @@ impl LogLink {
         };
         let mav = slf.as_super().get().mav(py)?;
         let name = &mav.get().dialect.get().registry.message(index).name;
-        tracking::sender(slf.as_super(), sysid)?.messages.get_item(name)
+        tracking::system(slf.as_super(), sysid)?.get().messages(py)?.get_item(name)
     }
 
     /// Time of the last message that was not BAD_DATA, None before the first.

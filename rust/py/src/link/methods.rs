@@ -94,7 +94,7 @@ impl Link {
     /// Message types, instances, components and parameters that were not kept because there were too many already.
     #[getter]
     fn names_refused(&self) -> u64 {
-        self.budget.refused()
+        self.state().room.refused
     }
 
     /// `{(sysid, compid): last sequence number}`, a copy.

@@ -9,11 +9,6 @@ use crate::message::object::Message;
 use crate::message::values::field_value;
 use crate::python::calling::Calling;
 
-/// Parameters kept per component, since whoever sends chooses their names.
-const MAX_PARAMS: usize = 16384;
-/// Parameters kept of all that a link hears; those of its target are kept beyond it.
-const MAX_LINK_PARAMS: usize = 262_144;
-
 /// Takes a `PARAM_VALUE` into `link.param_state`.
 pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
     let py = link.py();
@@ -30,12 +25,13 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     };
     let params = state.getattr(intern!(py, "params"))?.cast_into::<PyDict>()?;
     let name = field(message, "param_id")?.str()?;
-    if params.contains(&name)? || has_room(link, &params)? {
-        params.set_item(name, field(message, "param_value")?)?;
-    } else {
-        link.get().budget.refuse();
+    if !params.contains(&name)? {
+        let is_target = link.getattr(intern!(py, "params"))?.is(&params);
+        if !link.get().state().room.take_param(params.len(), is_target) {
+            return Ok(());
+        }
     }
-    Ok(())
+    params.set_item(name, field(message, "param_value")?)
 }
 
 /// A field, as its attribute shows it.
@@ -48,15 +44,4 @@ fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, 
         return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
     }
     message.getattr(name)
-}
-
-/// Whether another parameter is kept in `params`, which then counts.
-fn has_room(link: &Bound<'_, Link>, params: &Bound<'_, PyDict>) -> PyResult<bool> {
-    if params.len() >= MAX_PARAMS {
-        return Ok(false);
-    }
-    if link.get().budget.take_param(MAX_LINK_PARAMS) {
-        return Ok(true);
-    }
-    Ok(link.getattr(intern!(link.py(), "params"))?.is(params))
 }

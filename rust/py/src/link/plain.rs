@@ -5,7 +5,6 @@
 use mavwire_core::frame::Header;
 use mavwire_core::telemetry::{RADIO, Reception, Sender};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::link::state::Link;
 use crate::link::system::{Senders, SystemState};
@@ -48,12 +47,9 @@ pub(crate) struct Plain<'py> {
     pub(crate) time: f64,
     info: &'static Info,
     compid: u8,
-    /// The newest messages of its sender.
-    messages: Bound<'py, PyDict>,
-    /// The sender, if Python has to update its state or to call hooks.
-    changed: Option<Bound<'py, SystemState>>,
-    /// The sender, if its components are told apart.
-    apart: Option<Bound<'py, SystemState>>,
+    system: Bound<'py, SystemState>,
+    /// Python has to update the system's state or to call hooks.
+    needs_python: bool,
 }
 
 /// Whether the messages that `mav` makes can be plain. Signatures, callbacks and replaced methods need the other way.
@@ -83,9 +79,8 @@ impl<'py> Plain<'py> {
             time: reception.account(Some(Sender { sysid, compid, seq }), info.uptime(payload), now),
             info,
             compid,
-            messages: sender.messages(py),
-            changed: (changes_state || interest.has_hooks).then(|| sender.state(py)),
-            apart: sender.apart(py, compid),
+            system: sender.state(py),
+            needs_python: changes_state || interest.has_hooks,
         };
         shared::add(&mav.counters.packets_received, 1);
         if header.is_signed()
@@ -105,12 +100,10 @@ impl<'py> Plain<'py> {
         message: &Bound<'py, Message>,
     ) -> PyResult<()> {
         let kind = self.info.name.bind(link.py());
-        let has_instances = self.info.definition.instance_field.is_some();
-        let apart = self.apart.as_ref().map(|system| (&system.get().components, self.compid));
-        tracking::keep_newest(link, &self.messages, apart, kind, message, has_instances)?;
-        match &self.changed {
-            Some(system) => tracking::call_python(link, message, kind, system),
-            None => Ok(()),
+        tracking::keep_newest(link, &self.system, self.compid, kind, message)?;
+        if self.needs_python {
+            tracking::call_python(link, message, kind, &self.system)?;
         }
+        Ok(())
     }
 }

@@ -8,11 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use mavwire_io::clock::unix_seconds;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyDict;
 
-use crate::link::instances;
-use crate::link::name_budget::NameBudget;
-use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::sync::slot::Slot;
 
@@ -89,21 +86,8 @@ pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
     if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
 }
 
-/// Calls `mavutil.add_message(messages, kind, message)`, or stores the message natively within the limits of `budget`.
+/// The program's own `mavutil.add_message`.
 #[inline]
-pub(crate) fn add_message(
-    messages: &Bound<'_, PyDict>,
-    kind: &Bound<'_, PyString>,
-    message: &Bound<'_, Message>,
-    budget: &NameBudget<'_>,
-    has_instances: bool,
-) -> PyResult<()> {
-    if let Some(replaced) = ADD_MESSAGE.get(messages.py()) {
-        return replaced.invoke1((messages, kind, message)).map(drop);
-    }
-    if has_instances {
-        instances::add_message(messages, kind, message, budget)
-    } else {
-        instances::add_plain(messages, kind, message, budget)
-    }
+pub(crate) fn add_message(py: Python<'_>) -> Option<Bound<'_, PyAny>> {
+    ADD_MESSAGE.get(py)
 }

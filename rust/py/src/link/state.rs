@@ -3,13 +3,12 @@
 //! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
-use mavwire_core::telemetry::Reception;
+use mavwire_core::telemetry::{Reception, Room};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyType};
 
-use crate::link::name_budget::{Budget, OWN_NAMES, SharedTables};
-use crate::link::system::{Senders, SystemState};
+use crate::link::system::Senders;
 use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::python::error::Result;
@@ -37,6 +36,8 @@ pub(crate) struct LinkState {
     pub(crate) senders: Senders,
     pub(super) message_hooks: Option<Py<PyAny>>,
     pub(crate) reception: Reception,
+    /// Room for names that senders choose.
+    pub(crate) room: Room,
     /// The protocol version is not known yet.
     pub(crate) first_byte: bool,
     pub(super) logfile: Option<Py<PyAny>>,
@@ -59,6 +60,7 @@ impl LinkState {
             senders: Senders::default(),
             message_hooks: None,
             reception: Reception::default(),
+            room: Room::default(),
             first_byte: true,
             logfile: None,
             logfile_raw: None,
@@ -129,13 +131,11 @@ pub(crate) struct Link {
     pub(super) state: Lock<LinkState>,
     /// Those of `QUICK_METHODS`.
     pub(super) methods: OwnMethods,
-    /// Room for names that whoever sends has chosen.
-    pub(crate) budget: Budget,
 }
 
 impl Link {
     pub(crate) fn new(methods: OwnMethods) -> Self {
-        Self { state: Lock::new(LinkState::new()), methods, budget: Budget::default() }
+        Self { state: Lock::new(LinkState::new()), methods }
     }
 
     /// A link of `class`, which native code can read.
@@ -180,23 +180,5 @@ impl Link {
 
     pub(crate) fn hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.state().message_hooks.as_ref().map(|hooks| hooks.bind(py).clone())
-    }
-}
-
-impl SharedTables for Bound<'_, Link> {
-    fn budget(&self) -> &Budget {
-        &self.get().budget
-    }
-
-    fn shared_names(&self) -> PyResult<usize> {
-        let py = self.py();
-        let states = self.get().state().sysid_state.as_ref().map(|states| states.bind(py).clone());
-        let mut total = 0;
-        for (_, state) in states.iter().flatten() {
-            let state = state.cast::<SystemState>()?.get();
-            total += state.messages(py)?.len().saturating_sub(OWN_NAMES);
-            total += state.components.shared_names(py)?;
-        }
-        Ok(total)
     }
 }

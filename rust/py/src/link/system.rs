@@ -2,16 +2,19 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::frame::Header;
+use mavwire_core::frame::{FrameBytes, Header};
+use mavwire_core::telemetry::{Kept, Newest, Source};
 use pyo3::exceptions::PyTypeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
-use crate::link::components::Components;
+use crate::link::instances::add_message;
+use crate::message::info::Info;
+use crate::message::object::Message;
 use crate::python::instance_dict::{generic_dict, generic_setattr};
+use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
-use mavwire_core::frame::FrameBytes;
 
 /// Message id of `GPS_RAW_INT`, from which mavutil takes the home position until it has one with a fix.
 const GPS_RAW_INT: u32 = 24;
@@ -31,17 +34,57 @@ pub(crate) fn forget_states() {
     EPOCH.fetch_add(1, Relaxed);
 }
 
-/// Base of `mavutil.mavfile_state`: holds the table of newest messages.
+/// Base of `mavutil.mavfile_state`: holds the newest messages.
+///
+/// A message that arrives goes into `newest` alone. The dictionary `messages` gets it when a program asks for the
+/// dictionary, and at once while the program keeps that.
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct SystemState {
     messages: Slot<PyDict>,
-    pub(crate) components: Components,
+    newest: Lock<Newest<Py<Message>>>,
 }
 
 impl SystemState {
+    /// Message type -> newest message.
     pub(crate) fn messages<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let missing = || PyTypeError::new_err("the system's state has no messages");
-        self.messages.get(py).ok_or_else(missing)
+        let messages = self.messages.get(py).ok_or_else(missing)?;
+        // Nothing is called while the lock is held.
+        let unseen = self.newest.lock(py).take_unseen(|message| message.clone_ref(py));
+        for message in unseen {
+            keep_in(&messages, message.bind(py))?;
+        }
+        Ok(messages)
+    }
+
+    /// Keeps a received message. `has_room` is asked before the table of newest messages grows.
+    #[inline]
+    pub(crate) fn keep(
+        &self,
+        message: &Bound<'_, Message>,
+        info: &Info,
+        source: Source,
+        has_room: impl FnOnce(usize) -> bool,
+    ) -> PyResult<()> {
+        let py = message.py();
+        let handle = message.clone().unbind();
+        let kept = self.newest.lock(py).keep(info.number, source, handle, has_room);
+        // The dictionary's keys are in the order in which they came first.
+        if matches!(kept, Kept::First) || self.messages.is_shared(py) {
+            self.messages(py)?;
+        }
+        if let Kept::Renewed(old) = kept {
+            drop(old.into_bound(py));
+        }
+        Ok(())
+    }
+}
+
+/// Stores a message of a definition in a dictionary.
+fn keep_in(messages: &Bound<'_, PyDict>, message: &Bound<'_, Message>) -> PyResult<()> {
+    match message.get().info {
+        Some(info) => add_message(messages, info.name.bind(messages.py()), message),
+        None => Ok(()),
     }
 }
 
@@ -50,7 +93,7 @@ impl SystemState {
     #[new]
     #[pyo3(signature = (*_args, **_kwargs))]
     fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
-        Self { messages: Slot::new(), components: Components::new() }
+        Self { messages: Slot::new(), newest: Lock::new(Newest::default()) }
     }
 
     fn __setattr__(
@@ -76,36 +119,47 @@ impl SystemState {
 
     /// Message type -> newest message.
     #[getter(messages)]
-    fn get_messages<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
-        self.messages.get(py)
+    fn get_messages<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        if self.messages.get(py).is_none() {
+            return Ok(None);
+        }
+        self.messages(py).map(Some)
     }
     #[setter(messages)]
     fn set_messages(&self, value: Bound<'_, PyDict>) {
+        self.newest.lock(value.py()).take_unseen(|_| ());
         self.messages.set(Some(value.unbind()));
-        forget_states();
     }
 
-    /// Component id -> message type -> newest message of that component alone.
+    /// Component id -> message type -> newest message of that component alone, as they are now.
     #[getter]
     fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.components.tables(&self.messages(py)?)
+        let tables = PyDict::new(py);
+        let newest = self.newest.lock(py).in_order(|message| message.clone_ref(py));
+        for (compid, message) in newest {
+            let table = match tables.get_item(compid)? {
+                Some(table) => table.cast_into::<PyDict>()?,
+                None => PyDict::new(py),
+            };
+            keep_in(&table, message.bind(py))?;
+            tables.set_item(compid, table)?;
+        }
+        Ok(tables)
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.components.traverse(visit)?;
+        // SAFETY: the garbage collector runs attached.
+        for message in unsafe { self.newest.try_lock() }.iter().flat_map(|newest| newest.iter()) {
+            visit.call(message)?;
+        }
         self.messages.traverse(visit)
     }
 
-    fn __clear__(&self) {
-        self.components.clear();
+    fn __clear__(&self, py: Python<'_>) {
+        let newest = std::mem::take(&mut *self.newest.lock(py));
+        drop(newest);
         self.messages.set(None);
     }
-}
-
-/// The state of a system with its table of newest messages.
-pub(crate) struct Sender<'py> {
-    pub(crate) state: Bound<'py, SystemState>,
-    pub(crate) messages: Bound<'py, PyDict>,
 }
 
 /// What tells whether a message changes a system's state: its id, its component and its payload.
@@ -115,7 +169,6 @@ type Change = (u32, u8, FrameBytes);
 pub(crate) struct Known {
     sysid: u8,
     state: Py<SystemState>,
-    messages: Py<PyDict>,
     /// The newest messages of their kinds whose changes are in the state already.
     settled: Vec<Change>,
     /// The home position is known for good, so that GPS_RAW_INT changes nothing.
@@ -125,20 +178,6 @@ pub(crate) struct Known {
 impl Known {
     pub(crate) fn state<'py>(&self, py: Python<'py>) -> Bound<'py, SystemState> {
         self.state.bind(py).clone()
-    }
-
-    pub(crate) fn messages<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
-        self.messages.bind(py).clone()
-    }
-
-    /// The system, if its components are told apart and `compid` is one whose messages have to be.
-    #[inline]
-    pub(crate) fn apart<'py>(
-        &self,
-        py: Python<'py>,
-        compid: u8,
-    ) -> Option<Bound<'py, SystemState>> {
-        (!self.state.get().components.is_sole(compid)).then(|| self.state(py))
     }
 
     /// True if the last message of this kind changed the state in the same way, and nobody changed it since. Remembers
@@ -176,11 +215,6 @@ pub(crate) struct Senders {
 }
 
 impl Senders {
-    pub(crate) fn get<'py>(&mut self, py: Python<'py>, sysid: u8) -> Option<Sender<'py>> {
-        let known = self.find(sysid)?;
-        Some(Sender { state: known.state(py), messages: known.messages(py) })
-    }
-
     #[inline]
     pub(crate) fn find(&mut self, sysid: u8) -> Option<&mut Known> {
         if self.epoch != EPOCH.load(Relaxed) {
@@ -191,20 +225,14 @@ impl Senders {
 
     /// Keeps a sender. Returns what it forgets, to be dropped without a lock held.
     #[must_use]
-    pub(crate) fn remember(&mut self, sysid: u8, sender: &Sender<'_>) -> impl Sized + use<> {
+    pub(crate) fn remember(&mut self, sysid: u8, state: Py<SystemState>) -> impl Sized + use<> {
         let mut forgotten = Vec::new();
         let now = EPOCH.load(Relaxed);
         if self.epoch != now {
             self.epoch = now;
             forgotten = std::mem::take(&mut self.known);
         }
-        self.known.push(Known {
-            sysid,
-            state: sender.state.clone().unbind(),
-            messages: sender.messages.clone().unbind(),
-            settled: Vec::new(),
-            home_is_fixed: false,
-        });
+        self.known.push(Known { sysid, state, settled: Vec::new(), home_is_fixed: false });
         forgotten
     }
 
@@ -218,7 +246,6 @@ impl Senders {
     pub(crate) fn traverse(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         for known in &self.known {
             visit.call(&known.state)?;
-            visit.call(&known.messages)?;
         }
         Ok(())
     }

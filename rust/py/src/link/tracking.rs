@@ -8,15 +8,14 @@ use std::sync::atomic::Ordering::Relaxed;
 use mavwire_core::telemetry::RADIO;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyString;
 
-use crate::link::components::Components;
+use crate::link::instances;
 use crate::link::message_source::{message_type, sender_of};
-use crate::link::name_budget::{NameBudget, OWN_NAMES};
 use crate::link::params;
 use crate::link::replaced;
 use crate::link::state::Link;
-use crate::link::system::{Sender, SystemState};
+use crate::link::system::SystemState;
 use crate::message::info::PARAM_VALUE;
 use crate::message::object::{Message, flags, instance_dict};
 use crate::python::calling::Calling;
@@ -51,33 +50,38 @@ fn account(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()>
     } else {
         this.set_timestamp(seconds);
     }
-    let sender = sender(link, source.sysid)?;
-    let components = &sender.state.get().components;
-    let is_apart = counts && !components.is_sole(source.compid);
-    let apart = is_apart.then_some((components, source.compid));
-    keep_newest(link, &sender.messages, apart, &kind, message, true)?;
+    let system = system(link, source.sysid)?;
+    keep_newest(link, &system, source.compid, &kind, message)?;
     if (source.sysid, source.compid) == RADIO {
         link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
-    call_python(link, message, &kind, &sender.state)
+    call_python(link, message, &kind, &system)
 }
 
-/// Keeps a message as the newest of its type: of its component, if these are told apart, and of its system.
+/// Keeps a message as the newest of its type.
 #[inline(always)]
-#[allow(clippy::inline_always)] // nearly always without components
+#[allow(clippy::inline_always)] // once for each message of a log
 pub(crate) fn keep_newest(
     link: &Bound<'_, Link>,
-    messages: &Bound<'_, PyDict>,
-    apart: Option<(&Components, u8)>,
+    system: &Bound<'_, SystemState>,
+    compid: u8,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    has_instances: bool,
 ) -> PyResult<()> {
-    if let Some((components, compid)) = apart {
-        components.keep(link, messages, compid, kind, message)?;
+    let (py, this) = (link.py(), message.get());
+    let has_room = |entries| link.get().state().room.take(entries);
+    let replacement = replaced::add_message(py);
+    if let Some(info) = this.info.filter(|_| !this.has(flags::META) && replacement.is_none())
+        && let Some(source) = instances::source_of(info, compid, this)
+    {
+        return system.get().keep(message, info, source, has_room);
     }
-    let budget = NameBudget::of(link, OWN_NAMES);
-    replaced::add_message(messages, kind, message, &budget, has_instances)
+    let messages = system.get().messages(py)?;
+    match replacement {
+        Some(add_message) => add_message.invoke1((messages, kind, message)).map(drop),
+        None if !messages.contains(kind)? && !has_room(messages.len()) => Ok(()),
+        None => instances::add_message(&messages, kind, message),
+    }
 }
 
 /// What only a few types of messages change, then the message hooks.
@@ -129,10 +133,10 @@ fn uptime_of(message: &Bound<'_, Message>) -> PyResult<Option<f64>> {
 }
 
 /// The state of a system, made on its first message.
-pub(crate) fn sender<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Sender<'py>> {
+pub(crate) fn system<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Bound<'py, SystemState>> {
     let py = link.py();
-    if let Some(known) = link.get().state().senders.get(py, sysid) {
-        return Ok(known);
+    if let Some(known) = link.get().state().senders.find(sysid) {
+        return Ok(known.state(py));
     }
     let states = link.get().state().sysid_state.as_ref().map(|states| states.bind(py).clone());
     let states = states.ok_or_else(|| PyTypeError::new_err("the link is not initialised"))?;
@@ -145,8 +149,7 @@ pub(crate) fn sender<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Sender
         }
     };
     let state = state.cast_into::<SystemState>()?;
-    let sender = Sender { messages: state.get().messages(py)?, state };
-    let forgotten = link.get().state().senders.remember(sysid, &sender);
+    let forgotten = link.get().state().senders.remember(sysid, state.clone().unbind());
     drop(forgotten);
-    Ok(sender)
+    Ok(state)
 }

@@ -119,33 +119,6 @@ pub(crate) fn around(info: &'static Info, frame: &[u8]) -> Message {
     Message::received(Some(info), FrameBytes::from(frame), Origin::Decoded)
 }
 
-/// Makes `object` a copy of `message` that has `written` to it, if only the caller and one table refer to it.
-pub(crate) fn renew(
-    object: &Bound<'_, Message>,
-    message: &Bound<'_, Message>,
-    written: u32,
-) -> bool {
-    const CALLER_AND_TABLE: ffi::Py_ssize_t = 2;
-    let instance = object.as_ptr().cast::<Instance>();
-    // SAFETY: both objects are alive, of the same class and laid out like `Instance`. Two references to `object` and no
-    // weak ones mean that no code but this sees it, so that nothing borrowed from its value is in use; the interpreter's
-    // lock is held. Dropping the old value frees a `bytes` or a `str` at most.
-    unsafe {
-        if cfg!(Py_GIL_DISABLED)
-            || object.as_ptr() == message.as_ptr()
-            || ffi::Py_TYPE(object.as_ptr()) != ffi::Py_TYPE(message.as_ptr())
-            || ffi::Py_REFCNT(object.as_ptr()) != CALLER_AND_TABLE
-            || !(*instance).weak_references.is_null()
-        {
-            return false;
-        }
-        let mut copy = message.get().duplicate(message.py());
-        *copy.flags.get_mut() |= written;
-        (*instance).message = copy;
-    }
-    true
-}
-
 /// Makes an object of the pool a message.
 #[inline(always)]
 #[allow(clippy::inline_always)] // as above

@@ -1,7 +1,7 @@
 //! What a message class knows about itself: its definition and the interned Python names that go with it.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use mavwire_core::codec::read;
 use mavwire_schema::{Field, FieldType, Message as Definition};
@@ -13,9 +13,6 @@ pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
 
 /// Messages that tell flight modes, parameters and the home position.
 const CHANGES_STATE: [&str; 4] = ["HEARTBEAT", "HIGH_LATENCY2", "PARAM_VALUE", "GPS_RAW_INT"];
-
-/// Instances whose keys in the table of newest messages are kept.
-const INSTANCE_KEYS: usize = 8;
 
 /// Python names of one field, interned once per message class.
 pub(crate) struct FieldNames {
@@ -52,6 +49,8 @@ impl Place {
 /// A message definition with what Python needs to know of it.
 pub(crate) struct Info {
     pub(crate) definition: Definition,
+    /// Counts the definitions of the process from 0.
+    pub(crate) number: usize,
     pub(crate) name: Py<PyString>,
     /// In XML order, like `definition.fields`.
     pub(crate) names: Vec<FieldNames>,
@@ -66,8 +65,6 @@ pub(crate) struct Info {
     pub(crate) changes_state: bool,
     /// Tells a parameter.
     pub(crate) is_parameter: bool,
-    /// `NAME[0]`, `NAME[1]` and so on, made when they are first needed.
-    pub(crate) instance_keys: [OnceLock<Py<PyString>>; INSTANCE_KEYS],
 }
 
 /// Every definition that a message class was made for, by message id.
@@ -86,11 +83,12 @@ impl Info {
         if let Some(info) = find(&INTERNED.lock().unwrap_or_else(PoisonError::into_inner)) {
             return info;
         }
-        let made = Self::new(py, definition.clone());
+        let mut made = Self::new(py, definition.clone());
         let mut known = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(info) = find(&known) {
             return info;
         }
+        made.number = known.values().map(Vec::len).sum();
         let made: &'static Self = Box::leak(Box::new(made));
         known.entry(definition.id).or_default().push(made);
         made
@@ -114,6 +112,7 @@ impl Info {
         };
         let position = |name: &str| definition.fields.iter().position(|f| f.name == name);
         Self {
+            number: 0,
             name: PyString::intern(py, &definition.name).unbind(),
             names,
             places: definition.fields.iter().map(place).collect(),
@@ -122,7 +121,6 @@ impl Info {
             time_boot_ms: position("time_boot_ms"),
             changes_state: CHANGES_STATE.contains(&definition.name.as_str()),
             is_parameter: definition.name == PARAM_VALUE,
-            instance_keys: [const { OnceLock::new() }; INSTANCE_KEYS],
             definition,
         }
     }

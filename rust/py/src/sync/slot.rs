@@ -1,5 +1,6 @@
 //! Python objects that user code reads and replaces while other threads use them.
 
+use pyo3::ffi;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 
@@ -16,6 +17,14 @@ impl<T> Slot<T> {
     #[inline]
     pub(crate) fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, T>> {
         self.0.lock(py).as_ref().map(|value| value.bind(py).clone())
+    }
+
+    /// Whether anybody else may refer to the object.
+    #[inline]
+    pub(crate) fn is_shared(&self, py: Python<'_>) -> bool {
+        // SAFETY: the object is alive while the lock is held.
+        let references = |value: &Py<T>| unsafe { ffi::Py_REFCNT(value.as_ptr()) };
+        cfg!(Py_GIL_DISABLED) || self.0.lock(py).as_ref().is_some_and(|value| references(value) > 1)
     }
 
     pub(crate) fn set(&self, value: Option<Py<T>>) {
