@@ -172,7 +172,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
     let class = native.dialect.get().known_class(entry.index);
     let plain = class.filter(|_| makes_plain_messages(native, &parser)).and_then(|class| {
         let frame = PlainFrame { header, info: class.info, payload: payload_of(&bytes) };
-        let known = (&mut state.senders, &mut state.reception);
+        let known = (&mut state.systems, &mut state.reception);
         let interest = Interest { has_hooks, keeps_params: true };
         Plain::account(py, known, (native, &parser), &frame, &interest, now)
     });

@@ -82,7 +82,7 @@ pub(crate) fn next_plain<'py>(
     let Some(class) = dialect.known_class(record.index) else { return Ok(None) };
     let Some(frame) = PlainFrame::parse(record.stream, class.info) else { return Ok(None) };
     state.reception.record_time = Some(record.time);
-    let known = (&mut state.senders, &mut state.reception);
+    let known = (&mut state.systems, &mut state.reception);
     let interest = Interest { has_hooks, keeps_params };
     let plain = Plain::account(py, known, (native, &parser), &frame, &interest, record.time);
     let Some(plain) = plain else { return Ok(None) };

@@ -207,7 +207,9 @@ impl Link {
 
     /// The home position of a system is known for good.
     fn _fix_home(&self, sysid: u8) {
-        self.state().senders.fix_home(sysid);
+        if let Some(heard) = self.state().systems.find(sysid) {
+            heard.repeats.home_is_fixed = true;
+        }
     }
 
     /// Takes a received message into the link's state, once, then calls the message hooks.
@@ -248,7 +250,7 @@ impl Link {
         visit.call(state.logfile.as_ref())?;
         visit.call(state.logfile_raw.as_ref())?;
         visit.call(state.last.as_ref())?;
-        state.senders.traverse(visit)
+        state.systems.traverse(visit)
     }
 
     fn __clear__(&self) {

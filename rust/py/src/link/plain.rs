@@ -7,7 +7,7 @@ use mavwire_core::telemetry::{RADIO, Reception, Sender};
 use pyo3::prelude::*;
 
 use crate::link::state::Link;
-use crate::link::system::{Senders, SystemState};
+use crate::link::system::{SystemState, Systems};
 use crate::link::tracking;
 use crate::message::info::Info;
 use crate::message::object::Message;
@@ -63,7 +63,7 @@ impl<'py> Plain<'py> {
     #[allow(clippy::inline_always)] // as above
     pub(crate) fn account(
         py: Python<'py>,
-        (senders, reception): (&mut Senders, &mut Reception),
+        (systems, reception): (&mut Systems, &mut Reception),
         (mav, parser): (&MAVLink, &LinkParser),
         frame: &PlainFrame<'_>,
         interest: &Interest,
@@ -71,15 +71,15 @@ impl<'py> Plain<'py> {
     ) -> Option<Self> {
         let &PlainFrame { header, info, payload } = frame;
         let Header { sysid, compid, seq, .. } = header;
-        let sender = senders.find(sysid).filter(|_| (sysid, compid) != RADIO)?;
+        let heard = systems.find(sysid).filter(|_| (sysid, compid) != RADIO)?;
         let changes_state = info.changes_state
             && (interest.keeps_params || !info.is_parameter)
-            && !sender.is_settled(&header, payload);
+            && !heard.repeats.hear(&header, payload);
         let plain = Self {
             time: reception.account(Some(Sender { sysid, compid, seq }), info.uptime(payload), now),
             info,
             compid,
-            system: sender.state(py),
+            system: heard.state.bind(py).clone(),
             needs_python: changes_state || interest.has_hooks,
         };
         shared::add(&mav.counters.packets_received, 1);

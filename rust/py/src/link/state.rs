@@ -8,7 +8,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyType};
 
-use crate::link::system::Senders;
+use crate::link::system::Systems;
 use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::python::error::Result;
@@ -33,7 +33,7 @@ pub(crate) struct LinkState {
     /// `mav`, if it is what it should be.
     pub(crate) native_mav: Option<Py<MAVLink>>,
     pub(crate) sysid_state: Option<Py<PyDict>>,
-    pub(crate) senders: Senders,
+    pub(crate) systems: Systems,
     pub(super) message_hooks: Option<Py<PyAny>>,
     pub(crate) reception: Reception,
     /// Room for names that senders choose.
@@ -57,7 +57,7 @@ impl LinkState {
             mav: None,
             native_mav: None,
             sysid_state: None,
-            senders: Senders::default(),
+            systems: Systems::default(),
             message_hooks: None,
             reception: Reception::default(),
             room: Room::default(),

@@ -2,8 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::frame::{FrameBytes, Header};
-use mavwire_core::telemetry::{Kept, Newest, Source};
+use mavwire_core::telemetry::{Kept, Newest, Repeats, Source};
 use pyo3::exceptions::PyTypeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
@@ -15,15 +14,6 @@ use crate::message::object::Message;
 use crate::python::instance_dict::{generic_dict, generic_setattr};
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
-
-/// Message id of `GPS_RAW_INT`, from which mavutil takes the home position until it has one with a fix.
-const GPS_RAW_INT: u32 = 24;
-
-/// Message id of `PARAM_VALUE`.
-const PARAM_VALUE: u32 = 22;
-
-/// Kinds of state-changing messages remembered per system.
-const MAX_SETTLED: usize = 64;
 
 /// Moves on whenever a link's `sysid_state` or an attribute of a system's state changes.
 static EPOCH: AtomicU64 = AtomicU64::new(0);
@@ -162,91 +152,44 @@ impl SystemState {
     }
 }
 
-/// What tells whether a message changes a system's state: its id, its component and its payload.
-type Change = (u32, u8, FrameBytes);
-
 /// A system that was heard.
-pub(crate) struct Known {
+pub(crate) struct Heard {
     sysid: u8,
-    state: Py<SystemState>,
-    /// The newest messages of their kinds whose changes are in the state already.
-    settled: Vec<Change>,
-    /// The home position is known for good, so that GPS_RAW_INT changes nothing.
-    home_is_fixed: bool,
+    pub(crate) state: Py<SystemState>,
+    /// Forgotten when a program changes the state.
+    pub(crate) repeats: Repeats,
 }
 
-impl Known {
-    pub(crate) fn state<'py>(&self, py: Python<'py>) -> Bound<'py, SystemState> {
-        self.state.bind(py).clone()
-    }
-
-    /// True if the last message of this kind changed the state in the same way, and nobody changed it since. Remembers
-    /// this one.
-    pub(crate) fn is_settled(&mut self, header: &Header, payload: &[u8]) -> bool {
-        match header.msgid {
-            GPS_RAW_INT => return self.home_is_fixed,
-            // The parameters are the user's to change, and nobody tells.
-            PARAM_VALUE => return false,
-            _ => {}
-        }
-        let same_kind =
-            |change: &&mut Change| change.0 == header.msgid && change.1 == header.compid;
-        match self.settled.iter_mut().find(same_kind) {
-            Some(change) if *change.2 == *payload => true,
-            Some(change) => {
-                change.2 = payload.into();
-                false
-            }
-            None => {
-                if self.settled.len() < MAX_SETTLED {
-                    self.settled.push((header.msgid, header.compid, payload.into()));
-                }
-                false
-            }
-        }
-    }
-}
-
-/// Senders by system id, so that not every message costs dictionary look-ups.
+/// Systems by id, so that not every message costs a dictionary look-up.
 #[derive(Default)]
-pub(crate) struct Senders {
-    known: Vec<Known>,
+pub(crate) struct Systems {
+    heard: Vec<Heard>,
     epoch: u64,
 }
 
-impl Senders {
+impl Systems {
     #[inline]
-    pub(crate) fn find(&mut self, sysid: u8) -> Option<&mut Known> {
+    pub(crate) fn find(&mut self, sysid: u8) -> Option<&mut Heard> {
         if self.epoch != EPOCH.load(Relaxed) {
             return None;
         }
-        self.known.iter_mut().find(|known| known.sysid == sysid)
+        self.heard.iter_mut().find(|heard| heard.sysid == sysid)
     }
 
-    /// Keeps a sender. Returns what it forgets, to be dropped without a lock held.
+    /// Keeps a system. Returns what it forgets, to be dropped without a lock held.
     #[must_use]
     pub(crate) fn remember(&mut self, sysid: u8, state: Py<SystemState>) -> impl Sized + use<> {
         let mut forgotten = Vec::new();
         let now = EPOCH.load(Relaxed);
         if self.epoch != now {
             self.epoch = now;
-            forgotten = std::mem::take(&mut self.known);
+            forgotten = std::mem::take(&mut self.heard);
         }
-        self.known.push(Known { sysid, state, settled: Vec::new(), home_is_fixed: false });
+        self.heard.push(Heard { sysid, state, repeats: Repeats::default() });
         forgotten
     }
 
-    /// Notes that a system's home position does not change any more.
-    pub(crate) fn fix_home(&mut self, sysid: u8) {
-        if let Some(known) = self.known.iter_mut().find(|known| known.sysid == sysid) {
-            known.home_is_fixed = true;
-        }
-    }
-
     pub(crate) fn traverse(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        for known in &self.known {
-            visit.call(&known.state)?;
-        }
-        Ok(())
+        self.heard.iter().try_for_each(|heard| visit.call(&heard.state))
     }
 }

@@ -135,8 +135,8 @@ fn uptime_of(message: &Bound<'_, Message>) -> PyResult<Option<f64>> {
 /// The state of a system, made on its first message.
 pub(crate) fn system<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Bound<'py, SystemState>> {
     let py = link.py();
-    if let Some(known) = link.get().state().senders.find(sysid) {
-        return Ok(known.state(py));
+    if let Some(known) = link.get().state().systems.find(sysid) {
+        return Ok(known.state.bind(py).clone());
     }
     let states = link.get().state().sysid_state.as_ref().map(|states| states.bind(py).clone());
     let states = states.ok_or_else(|| PyTypeError::new_err("the link is not initialised"))?;
@@ -149,7 +149,7 @@ pub(crate) fn system<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Bound<
         }
     };
     let state = state.cast_into::<SystemState>()?;
-    let forgotten = link.get().state().senders.remember(sysid, state.clone().unbind());
+    let forgotten = link.get().state().systems.remember(sysid, state.clone().unbind());
     drop(forgotten);
     Ok(state)
 }
