@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import IO, Any, ClassVar, Self
 
-from mavwire._native import Message
+from mavwire._native import Message, StreamWriter
 from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
 from typing_extensions import disjoint_base
 
@@ -17,7 +17,7 @@ class SystemState:
 
     @property
     def components(self) -> dict[int, dict[str, Any]]:
-        """Component id -> message type -> newest message of that component alone."""
+        """Component id -> message type -> newest message of that component alone, as they are now."""
 
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
@@ -137,8 +137,16 @@ class LiveLink(Link):
         """Peers that had to make room for others."""
     def _raise_read_error(self, port: Any) -> None:
         """Raises the error with which reading `port` natively ended; the system does not say it again."""
-    _has_unsent: bool
-    """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
+    _writer: StreamWriter
+    """What sends to a stream."""
+
+    @property
+    def _has_unsent(self) -> bool:
+        """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
+
+    def _end_connection(self, port: Any, fd: int | None) -> bool:
+        """Closes the connection `port`, and waits on `fd` from then on. Bytes that wait to be sent and the
+        start of a frame are dropped. False if that was done before."""
 
     def _read_stream(self, serves_one: bool = False) -> None:
         """From now on `port` may be read natively, as a stream. Servers for one client at a time look

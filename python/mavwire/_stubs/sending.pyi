@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable
 from typing import Any, final
 
-from .links import LiveLink
-
 @final
 class Exclusive:
     """A lock that no thread waits for: a thread that does not get it leaves the work to its owner.
@@ -35,8 +33,7 @@ class StreamWriter:
     One thread sends at a time and takes along what others put into the queue meanwhile. Nobody
     waits for it, so that a signal handler that writes in the middle of a write is no deadlock. No
     handler runs between the return of a native `port.send` and the moment when what it sent leaves
-    the queue. Where methods have a `link`, that is told whether something is left in the queue, by
-    the thread that sends.
+    the queue.
     """
 
     dropped_frames: int
@@ -51,22 +48,15 @@ class StreamWriter:
     def bytes_sent(self) -> int:
         """Bytes that a port has taken."""
 
-    def write(
-        self, port: Any, frame: bytes | bytearray | Iterable[int], link: LiveLink | None = None
-    ) -> None:
+    def write(self, port: Any, frame: bytes | bytearray | Iterable[int]) -> None:
         """Sends `frame` after what is queued; PortError when the connection is gone, and then `clear` counts
         the frame."""
 
-    def flush(self, port: Any, link: LiveLink | None = None) -> None:
+    def flush(self, port: Any) -> None:
         """Sends as much of the queue as the peer takes now."""
 
-    def clear(self, link: LiveLink | None = None) -> None:
+    def clear(self) -> None:
         """Drops and counts what is queued: the connection it was meant for is gone."""
-
-    def end(self, port: Any, link: LiveLink, fd: int | None) -> bool:
-        """Closes the connection `port` of `link`, which waits on `fd` without one: its `port` is None, what
-        is queued is dropped and counted, and what was received of a frame is forgotten. False if that was done
-        before."""
 
 class PortError(Exception):
     """`PortError(error)`: what a port raised itself, and no signal handler did meanwhile."""

@@ -13,8 +13,6 @@ __all__ = ["DescriptorPort", "PortError", "StreamLink", "StreamWriter", "ask_por
 class StreamLink(ChunkedLink):
     """A link over a stream socket: frames leave it whole or not at all."""
 
-    _writer: StreamWriter
-
     @property
     def frames_dropped(self) -> int:
         """Frames that were not sent because the peer was gone or had stopped reading."""
@@ -22,16 +20,16 @@ class StreamLink(ChunkedLink):
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
         """Send or queue a frame; PortError when the connection `port` is gone."""
-        self._writer.write(port, frame, self)
+        self._writer.write(port, frame)
 
     def _send_rest(self, port: Any) -> None:
         """Send what was queued, as far as the peer takes it now."""
-        if self._has_unsent or self._writer.unsent:
-            self._writer.flush(port, self)
+        if self._has_unsent:
+            self._writer.flush(port)
 
     def _forget_unsent(self) -> None:
         """Drop and count what is queued: the connection it was meant for is gone."""
-        self._writer.clear(self)
+        self._writer.clear()
 
     def _idle_fd(self) -> int | None:
         """What to wait on without a connection."""
@@ -39,4 +37,4 @@ class StreamLink(ChunkedLink):
 
     def _let_go(self, port: Any) -> bool:
         """Close the connection `port`; False if that was done before, as it may be the next one's turn by then."""
-        return self._writer.end(port, self, self._idle_fd())
+        return self._end_connection(port, self._idle_fd())

@@ -47,8 +47,6 @@ pub struct LiveSource {
     pub peers: Peers,
     /// The last read took everything, so that it is better to wait than to read again.
     pub drained: bool,
-    /// Python has bytes to send which the peer did not take yet, and sends them when it receives.
-    pub has_unsent: bool,
     /// This is a server for one client at a time.
     pub serves_one: bool,
     next_tending: Option<Instant>,

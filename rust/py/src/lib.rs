@@ -68,8 +68,6 @@ mod _native {
     #[pymodule_export]
     use crate::link::state::Link;
     #[pymodule_export]
-    use crate::link::stream_writer::StreamWriter;
-    #[pymodule_export]
     use crate::link::system::{SystemState, forget_states};
     #[pymodule_export]
     use crate::message::classes::message_class;
@@ -87,6 +85,8 @@ mod _native {
     use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};
     #[pymodule_export]
     use crate::port::recording::recordable;
+    #[pymodule_export]
+    use crate::port::stream_writer::StreamWriter;
     #[pymodule_export]
     use crate::port::tls_port::TlsPort;
     #[pymodule_export]

@@ -21,6 +21,5 @@ pub(crate) mod plain;
 pub(crate) mod receive;
 pub(crate) mod replaced;
 pub(crate) mod state;
-pub(crate) mod stream_writer;
 pub(crate) mod system;
 pub(crate) mod tracking;

@@ -6,4 +6,5 @@ pub(crate) mod close_port;
 pub(crate) mod ports;
 pub(crate) mod recording;
 pub(crate) mod stream_queue;
+pub(crate) mod stream_writer;
 pub(crate) mod tls_port;

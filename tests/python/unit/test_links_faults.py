@@ -517,7 +517,7 @@ def test_an_interrupt_while_a_client_is_let_go_leaves_nothing_to_the_next():
 def test_a_thread_that_is_late_touches_no_later_connection():
     link, peer = connected(autoreconnect=True)
     old = link.port
-    link._writer.write(Begun(), heartbeat(1), link)
+    link._writer.write(Begun(), heartbeat(1))
     assert link._let_go(old)
     assert (link.port, link._has_unsent, link.frames_dropped) == (None, False, 1)
     link.port = new = Begun()

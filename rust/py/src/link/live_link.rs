@@ -11,6 +11,7 @@ use pyo3::types::PyType;
 use crate::link::live_failure::Failure;
 use crate::link::peers::to_python;
 use crate::link::state::Link;
+use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::Calling;
 use crate::sync::lock::{Guard, Lock};
@@ -28,12 +29,19 @@ pub(crate) struct LiveLink {
     pub(crate) failure: Failure,
     /// The class of port that was seen to be a plain one.
     pub(super) plain_port: Slot<PyType>,
+    /// What sends to a stream.
+    pub(super) writer: Slot<StreamWriter>,
 }
 
 impl LiveLink {
     pub(crate) fn source(&self) -> Guard<'_, LiveSource> {
         // SAFETY: links are Python objects, whose methods run attached.
         self.source.lock(unsafe { Python::assume_attached() })
+    }
+
+    /// Bytes wait to be sent. Python sends them when it receives.
+    pub(super) fn has_unsent(&self, py: Python<'_>) -> bool {
+        self.writer.get(py).is_some_and(|writer| writer.get().is_waiting(py))
     }
 
     /// Native code can read the link: the parser is ours, no bytes are recorded or wait to be sent.
@@ -43,7 +51,7 @@ impl LiveLink {
         let source = slf.get().source();
         link.is_quick()
             && source.transport != Transport::Foreign
-            && !source.has_unsent
+            && !slf.get().has_unsent(slf.py())
             && !state.records_bytes()
             && !state.has_own_parser()
             && !state.first_byte

@@ -1,5 +1,6 @@
 //! The Python methods of `LiveLink`.
 
+use pyo3::exceptions::PyAttributeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
@@ -8,6 +9,8 @@ use crate::link::live_failure::Failure;
 use crate::link::live_link::LiveLink;
 use crate::link::peers::{from_python, to_python};
 use crate::link::state::Link;
+use crate::port::ports::close_port;
+use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::Lock;
@@ -28,6 +31,7 @@ impl LiveLink {
             source: Lock::new(LiveSource::default()),
             failure: Failure::none(),
             plain_port: Slot::new(),
+            writer: Slot::new(),
         };
         let base = if cfg!(unix) { Link::of_class(cls)? } else { Link::new(OwnMethods::none()) };
         Ok(PyClassInitializer::from(base).add_subclass(link))
@@ -35,12 +39,14 @@ impl LiveLink {
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         self.failure.traverse(&visit)?;
+        self.writer.traverse(visit.clone())?;
         self.plain_port.traverse(visit)
     }
 
     fn __clear__(&self) {
         self.failure.clear();
         self.plain_port.set(None);
+        self.writer.set(None);
     }
 
     /// From now on `port` may be read natively, as a stream. Servers for one client at a time look after it while nothing
@@ -64,14 +70,39 @@ impl LiveLink {
         self.failure.raise(port)
     }
 
-    /// Bytes wait to be sent, so that receiving has to go through Python, which sends them.
-    #[getter(_has_unsent)]
-    fn get_has_unsent(&self) -> bool {
-        self.source().has_unsent
+    /// What sends to a stream.
+    #[getter(_writer)]
+    fn get_writer<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, StreamWriter>> {
+        self.writer.get(py).ok_or_else(|| PyAttributeError::new_err("_writer"))
     }
-    #[setter(_has_unsent)]
-    fn set_has_unsent(&self, value: bool) {
-        self.source().has_unsent = value;
+    #[setter(_writer)]
+    fn set_writer(&self, value: Bound<'_, StreamWriter>) {
+        self.writer.set(Some(value.unbind()));
+    }
+
+    /// Bytes wait to be sent, so that receiving has to go through Python, which sends them.
+    #[getter]
+    fn _has_unsent(&self, py: Python<'_>) -> bool {
+        self.has_unsent(py)
+    }
+
+    /// Closes the connection `port`, and waits on `fd` from then on. Bytes that wait to be sent and the start of a frame are
+    /// dropped. False if that was done before.
+    fn _end_connection(
+        slf: &Bound<'_, Self>,
+        port: &Bound<'_, PyAny>,
+        fd: Option<i32>,
+    ) -> PyResult<bool> {
+        let py = slf.py();
+        if port.is_none() || !slf.getattr(intern!(py, "port"))?.is(port) {
+            return Ok(false);
+        }
+        slf.get().get_writer(py)?.get().end(port);
+        slf.as_super().get().drop_partial();
+        slf.setattr(intern!(py, "fd"), fd)?;
+        slf.setattr(intern!(py, "port"), py.None())?;
+        close_port(port)?;
+        Ok(true)
     }
 
     /// Peers that had to make room for others.

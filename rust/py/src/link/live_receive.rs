@@ -113,7 +113,7 @@ pub(crate) fn wait(slf: &Bound<'_, LiveLink>, remaining: Option<Duration>) -> Py
     let fd = slf.getattr(intern!(py, "fd"))?.extract::<i32>().ok();
     let Some(fd) = fd.filter(|_| !has_hooks) else { return Ok(false) };
     let slice = remaining.map_or(WAIT_SLICE, |remaining| remaining.min(WAIT_SLICE));
-    let writable = slf.get().source().has_unsent;
+    let writable = slf.get().has_unsent(py);
     let ready = if slice.is_zero() {
         readiness::ready(fd, writable, slice)
     } else {

@@ -9,8 +9,7 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::link::live_link::LiveLink;
-use crate::port::ports::{self, close_port};
+use crate::port::ports;
 use crate::port::stream_queue::StreamQueue;
 use crate::python::lists;
 use crate::sync::exclusive::Exclusive;
@@ -28,8 +27,6 @@ const SEND_SIZE: usize = 1 << 16;
 /// One thread sends at a time and takes along what others put into the queue meanwhile. Nobody waits for it, so that a
 /// signal handler that writes in the middle of a write is no deadlock. No handler runs between the return of a native
 /// `port.send` and the moment when what it sent leaves the queue.
-///
-/// Where methods have a `link`, that is told whether something is left in the queue, by the thread that sends.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct StreamWriter {
     max_unsent: usize,
@@ -40,8 +37,6 @@ pub(crate) struct StreamWriter {
     /// The port that was let go of last, which may still be open.
     ended: Slot,
 }
-
-type Link<'a, 'py> = Option<&'a Bound<'py, LiveLink>>;
 
 impl StreamWriter {
     /// Forgets, in a forked process, what a thread was sending that did not come along: that one finishes it where it
@@ -67,15 +62,15 @@ impl StreamWriter {
         fits
     }
 
-    fn is_waiting(&self, py: Python<'_>) -> bool {
+    /// Bytes wait to be sent.
+    pub(crate) fn is_waiting(&self, py: Python<'_>) -> bool {
         !self.queue.lock(py).unsent().is_empty()
     }
 
-    fn tell(&self, py: Python<'_>, link: Link<'_, '_>) {
-        if let Some(link) = link {
-            let waits = self.is_waiting(py);
-            link.get().source().has_unsent = waits;
-        }
+    /// Sends no more to `port`. Drops and counts what is queued.
+    pub(crate) fn end(&self, port: &Bound<'_, PyAny>) {
+        self.ended.set(Some(port.clone().unbind()));
+        self.clear(port.py());
     }
 
     fn has_ended(&self, port: &Bound<'_, PyAny>) -> bool {
@@ -101,34 +96,24 @@ impl StreamWriter {
         Ok(true)
     }
 
-    fn send(&self, port: &Bound<'_, PyAny>, link: Link<'_, '_>) -> PyResult<()> {
+    fn send(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = port.py();
         // What waits may be another connection's by now.
         while !self.has_ended(port)
             && let Some(turn) = self.sending.take()
         {
             let goes_on = self.send_some(port);
-            self.tell(py, link);
             drop(turn);
             // Looked at after the turn: what came in between is nobody else's.
             if !(goes_on? && self.is_waiting(py)) {
                 break;
             }
-            let signals = py.check_signals();
-            if signals.is_err() {
-                self.tell(py, link);
-            }
-            signals?;
+            py.check_signals()?;
         }
         Ok(())
     }
 
-    fn write_bytes(
-        &self,
-        port: &Bound<'_, PyAny>,
-        frame: &[u8],
-        link: Link<'_, '_>,
-    ) -> PyResult<()> {
+    fn write_bytes(&self, port: &Bound<'_, PyAny>, frame: &[u8]) -> PyResult<()> {
         let py = port.py();
         self.follow_fork(py);
         if self.has_ended(port) {
@@ -136,13 +121,13 @@ impl StreamWriter {
             return Ok(());
         }
         if !self.add(py, frame) {
-            let sent = self.send(port, link);
+            let sent = self.send(port);
             if sent.is_err() || !self.add(py, frame) {
                 self.drop_frames(1);
                 return sent;
             }
         }
-        self.send(port, link)
+        self.send(port)
     }
 }
 
@@ -193,58 +178,23 @@ impl StreamWriter {
     }
 
     /// Sends `frame` after what is queued; `PortError` when the connection is gone, and then `clear` counts the frame.
-    #[pyo3(signature = (port, frame, link = None))]
-    fn write<'py>(
-        &self,
-        port: &Bound<'py, PyAny>,
-        frame: &Bound<'py, PyAny>,
-        link: Link<'_, 'py>,
-    ) -> PyResult<()> {
+    fn write(&self, port: &Bound<'_, PyAny>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
         match frame.cast::<PyBytes>() {
-            Ok(frame) => self.write_bytes(port, frame.as_bytes(), link),
-            Err(_) => self.write_bytes(port, &lists::bytes(frame)?, link),
+            Ok(frame) => self.write_bytes(port, frame.as_bytes()),
+            Err(_) => self.write_bytes(port, &lists::bytes(frame)?),
         }
     }
 
     /// Sends as much of the queue as the peer takes now.
-    #[pyo3(signature = (port, link = None))]
-    fn flush<'py>(&self, port: &Bound<'py, PyAny>, link: Link<'_, 'py>) -> PyResult<()> {
+    fn flush(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
         self.follow_fork(port.py());
-        self.send(port, link)
+        self.send(port)
     }
 
     /// Drops and counts what is queued: the connection it was meant for is gone.
-    #[pyo3(signature = (link = None))]
-    fn clear(&self, py: Python<'_>, link: Link<'_, '_>) {
+    fn clear(&self, py: Python<'_>) {
         self.follow_fork(py);
         let count = self.queue.lock(py).forget();
         self.drop_frames(count);
-        if let Some(_turn) = self.sending.take() {
-            self.tell(py, link); // or the thread that sends does
-        }
-    }
-
-    /// Closes the connection `port` of `link`, which waits on `fd` without one: its `port` is `None`, what is queued is
-    /// dropped and counted, and what was received of a frame is forgotten. False if that was done before.
-    #[pyo3(signature = (port, link, fd))]
-    fn end<'py>(
-        &self,
-        port: &Bound<'py, PyAny>,
-        link: &Bound<'py, LiveLink>,
-        fd: Option<i32>,
-    ) -> PyResult<bool> {
-        let py = port.py();
-        if port.is_none() || !link.getattr(intern!(py, "port"))?.is(port) {
-            return Ok(false);
-        }
-        // No other thread and no signal handler comes in between, as it would where the last reference to a port is dropped.
-        let _before = self.ended.get(py);
-        self.ended.set(Some(port.clone().unbind()));
-        self.clear(py, Some(link));
-        link.as_super().get().drop_partial();
-        link.setattr(intern!(py, "fd"), fd)?;
-        link.setattr(intern!(py, "port"), py.None())?;
-        close_port(port)?;
-        Ok(true)
     }
 }
