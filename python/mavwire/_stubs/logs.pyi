@@ -1,6 +1,6 @@
 """Telemetry logs, as `mavwire._native` has them."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import Any, Self, final
 
@@ -39,11 +39,6 @@ class LogLink(Link):
 
         The types of the first call stay in force until the log is rewound. Behind the last such
         record reading goes on record by record.
-        """
-
-    def _visits(self, names: list[str]) -> Iterator[Message] | None:
-        """The messages of the types called `names` from the start of the log on, those alone. None unless
-        the log is indexed and nobody replaced what the native loops stand for.
         """
 
     def _open_reader(self, path: str | PathLike[str], stamped: bool, now: float) -> None:

@@ -131,13 +131,9 @@ class Reading:
         types: Iterable[str] | None = None,
         condition: str | None = None,
         blocking: bool = False,
-        alone: bool = False,
     ) -> Iterator[Any]:
         """The messages that `recv_match` gives for these arguments, to the end of the log, but for
         lines of a text log that have a word in the place of a number.
-
-        `alone` is for who asks the log for nothing else: without a condition heartbeats and parameters,
-        which tell its `flightmode` and `params`, are not read along.
         """
         self._check_names(condition)
         if blocking and self._is_telemetry_log():
@@ -147,7 +143,7 @@ class Reading:
         self.by_index = wanted is not None
         # In a text log it is for `holds` to say what a condition over words gives.
         checked = None if self.is_text else condition
-        receive = self._received(wanted, checked, blocking, alone)
+        receive = self._received(wanted, checked, blocking)
         if self.is_text:
             receive = (msg for msg in receive if self._has_numbers(msg) and self.holds(condition))
         try:
@@ -162,17 +158,9 @@ class Reading:
             raise _condition_error(condition, error) from error
 
     def _received(
-        self, types: list[str] | None, condition: str | None, blocking: bool, alone: bool
-    ) -> Iterator[Any]:
-        """What the log gives for these arguments, to its end."""
-        visits: Iterator[Any] | None = None
-        if alone and types is not None and condition is None and self._is_telemetry_log():
-            visits = self.link._visits(types)
-        return visits or self._matching(types, condition, blocking)
-
-    def _matching(
         self, types: list[str] | None, condition: str | None, blocking: bool
     ) -> Iterator[Any]:
+        """What the log gives for these arguments, to its end."""
         receive = self.link.recv_match
         while (msg := receive(condition, types, blocking)) is not None:
             yield msg

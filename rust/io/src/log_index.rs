@@ -287,20 +287,6 @@ impl LogIndex {
         Ok((ids, offsets))
     }
 
-    /// Where the last record of any of these types begins.
-    pub fn last_of(&self, names: &[&str]) -> Option<u64> {
-        let messages = &self.registry.dialect().messages;
-        let is_named: Vec<_> = messages.iter().map(|m| names.contains(&m.name.as_str())).collect();
-        let mut offset = self.last;
-        for step in self.steps.iter().rev() {
-            if is_named.get(usize::from(step.index)) == Some(&true) {
-                return Some(offset);
-            }
-            offset -= u64::from(step.gap);
-        }
-        None
-    }
-
     /// Message index and offset of each record.
     fn records(&self) -> impl Iterator<Item = (u16, u64)> + '_ {
         let located = self.steps.iter().scan(0, |offset, step| {
@@ -506,6 +492,5 @@ mod tests {
         assert!(matches!(end, Stop::End { next } | Stop::Limit { next } if next == size));
         assert_eq!(index.counts(), [(0, "HEARTBEAT".to_owned(), 3)]);
         assert_eq!(index.by_type().expect("memory"), [(0, vec![0, third, 2 * third])]);
-        assert_eq!(index.last_of(&["HEARTBEAT"]), Some(2 * third));
     }
 }

@@ -11,7 +11,6 @@ pub(crate) mod log_index_build;
 pub(crate) mod log_link;
 mod log_methods;
 pub(crate) mod log_receive;
-pub(crate) mod log_visits;
 pub(crate) mod log_wanted;
 pub(crate) mod message_source;
 pub(crate) mod methods;

@@ -30,7 +30,7 @@ def _print_modes(log: Reading) -> None:
     systems = getattr(link, "sysid_state", None)
     shown = UNKNOWN
     # Of what the log knows nothing is asked but modes, which the heartbeats among these tell.
-    for msg in log.messages(TYPES, alone=True):
+    for msg in log.messages(TYPES):
         sender = link if systems is None else systems[msg.get_srcSystem()]
         if sender.flightmode == shown:
             continue

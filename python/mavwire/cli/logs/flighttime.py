@@ -69,7 +69,7 @@ class Flight:
     def read(self, log: Reading, condition: str | None) -> None:
         """Add everything to the end of the log, and tell of each take-off and landing."""
         now = None
-        for msg in log.messages(TYPES, condition, alone=True):
+        for msg in log.messages(TYPES, condition):
             fix = fix_of(msg)
             if fix.fix_type < FIX_3D:
                 continue

@@ -27,7 +27,7 @@ def main(args: Namespace) -> int:
 
 
 def _search(log: Reading, args: Namespace) -> None:
-    for msg in log.messages(wanted(args.types, log), alone=args.condition is None):
+    for msg in log.messages(wanted(args.types, log)):
         found = log.holds(args.condition)
         if found:
             print(msg)

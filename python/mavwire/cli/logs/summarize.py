@@ -89,7 +89,7 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
     since: float | None = None
     autonomous, sections = 0.0, 0
     msg: Any = None
-    for msg in log.messages(TYPES, condition, alone=True):
+    for msg in log.messages(TYPES, condition):
         if dated is None:
             began = msg._timestamp if began is None else began
             dated = _date(msg)

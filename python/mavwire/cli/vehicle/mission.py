@@ -38,7 +38,7 @@ def _save(log: Reading, output: str) -> None:
     from mavwire import mavwp
 
     mission = mavwp.MAVWPLoader()
-    for msg in log.messages(TYPES, alone=True):
+    for msg in log.messages(TYPES):
         if getattr(msg, "mission_type", MISSION) == MISSION:
             _put(mission, _item(msg))
     if not mission.count() and os.path.exists(output):

@@ -48,7 +48,7 @@ def _read(log: Reading, values: dict[str, float], show_changes: bool) -> None:
 
 def _parameters(log: Reading) -> Iterator[tuple[str, float, float]]:
     """Name, value and time of each parameter that the log tells."""
-    for msg in log.messages(TYPES, alone=True):
+    for msg in log.messages(TYPES):
         if msg.get_type() == "PARAM_VALUE":
             name, value = msg.param_id, msg.param_value
         else:

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::link::live_link::LiveLink;
-use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
+use crate::link::plain::{Plain, PlainFrame, makes_plain_messages};
 use crate::link::replaced;
 use crate::link::state::Link;
 use crate::link::tracking;
@@ -173,8 +173,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
     let plain = class.filter(|_| makes_plain_messages(native, &parser)).and_then(|class| {
         let frame = PlainFrame { header, info: class.info, payload: payload_of(&bytes) };
         let known = (&mut state.systems, &mut state.reception);
-        let interest = Interest { has_hooks, keeps_params: true };
-        Plain::account(py, known, (native, &parser), &frame, &interest, now)
+        Plain::account(py, known, (native, &parser), &frame, has_hooks, now)
     });
     let Some(plain) = plain else {
         return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) }, source.sender());

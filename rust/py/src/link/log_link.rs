@@ -11,9 +11,6 @@ use crate::link::state::Link;
 use crate::sync::lock::Lock;
 use mavwire_io::log_index::LogIndex;
 
-/// Messages between two looks whether others should have a turn: two milliseconds or so.
-pub(crate) const TURN_INTERVAL: u64 = 16 * 1024;
-
 /// A telemetry log as a link.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LogLink {

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use mavwire_core::log::tlog::{Framing, Stamp};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::link::log_index_build;
 use crate::link::log_link::LogLink;
-use crate::link::log_visits::LogVisits;
 use crate::link::log_wanted::Wanted;
 use crate::link::state::Link;
 use crate::link::tracking;
@@ -163,23 +162,6 @@ impl LogLink {
                 Ok(())
             })
             .map(drop)
-    }
-
-    /// The messages of the types called `names` from the start of the log on, those alone; None unless the log is indexed
-    /// and read by the quick paths.
-    fn _visits(
-        slf: &Bound<'_, Self>,
-        names: Vec<Bound<'_, PyString>>,
-    ) -> PyResult<Option<LogVisits>> {
-        let index = slf.get().index.lock(slf.py());
-        let Some(index) = index.as_ref().filter(|_| {
-            slf.as_super().get().is_quick() && slf.as_super().get().state().reads_log()
-        }) else {
-            return Ok(None);
-        };
-        let wanted = Wanted::alone(&names, index)?;
-        let names = names.into_iter().map(Bound::unbind).collect();
-        Ok(Some(LogVisits::new(slf.clone().unbind(), names, wanted)))
     }
 
     /// Seeks to the next record of the types in `type`, heartbeats or parameters.

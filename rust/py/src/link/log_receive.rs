@@ -9,7 +9,7 @@ use mavwire_core::parser::Step;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
+use crate::link::plain::{Plain, PlainFrame, makes_plain_messages};
 use crate::link::state::Link;
 use crate::link::tracking;
 use crate::message::create;
@@ -19,16 +19,6 @@ use crate::protocol::parse;
 use crate::protocol::parse::Session;
 use crate::python::calling::Calling;
 use crate::sync::shared;
-
-/// The next message natively, `None` at the end of the log. Parameters are not kept.
-pub(crate) fn next_without_params<'py>(
-    link: &Bound<'py, Link>,
-) -> PyResult<Option<Bound<'py, Message>>> {
-    match next_plain(link, false)? {
-        None => next_parsed(link),
-        message => Ok(message),
-    }
-}
 
 /// The next message by the parser; `None` at the end of the log.
 pub(crate) fn next_parsed<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, Message>>> {
@@ -49,10 +39,7 @@ pub(crate) fn next_parsed<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound
 }
 
 /// The next message of a log if it is a plain one. Otherwise nothing is read.
-pub(crate) fn next_plain<'py>(
-    link: &Bound<'py, Link>,
-    keeps_params: bool,
-) -> PyResult<Option<Bound<'py, Message>>> {
+pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, Message>>> {
     let py = link.py();
     let mut guard = link.get().state();
     let state = &mut *guard;
@@ -83,8 +70,7 @@ pub(crate) fn next_plain<'py>(
     let Some(frame) = PlainFrame::parse(record.stream, class.info) else { return Ok(None) };
     state.reception.record_time = Some(record.time);
     let known = (&mut state.systems, &mut state.reception);
-    let interest = Interest { has_hooks, keeps_params };
-    let plain = Plain::account(py, known, (native, &parser), &frame, &interest, record.time);
+    let plain = Plain::account(py, known, (native, &parser), &frame, has_hooks, record.time);
     let Some(plain) = plain else { return Ok(None) };
 
     let (info, class) = (class.info, class.class.bind(py));

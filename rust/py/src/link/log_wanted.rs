@@ -25,19 +25,6 @@ impl Wanted {
         Ok(Self { ids, offsets, visited: 0 })
     }
 
-    /// The records of the types called `names` alone. Behind the last record that is read along otherwise reading goes on
-    /// record by record, too: so that one is among them.
-    pub(crate) fn alone(names: &[Bound<'_, PyString>], index: &LogIndex) -> PyResult<Self> {
-        let text = |name: &Bound<'_, PyString>| name.to_string_lossy().into_owned();
-        let names: Vec<String> = names.iter().map(text).collect();
-        let mut wanted = Self::new(&names, Some(index))?;
-        let last = index.last_of(&ALWAYS_READ);
-        if last > wanted.offsets.last().copied() {
-            wanted.offsets.extend(last);
-        }
-        Ok(wanted)
-    }
-
     /// Where the records stand from the next one on, which counts as visited then; `None` behind the last.
     pub(crate) fn advance(&mut self) -> Option<&[u64]> {
         let rest = self.offsets.get(self.visited..).filter(|rest| !rest.is_empty())?;

@@ -33,14 +33,6 @@ impl<'a> PlainFrame<'a> {
     }
 }
 
-/// Why Python may have to be called for a message.
-pub(crate) struct Interest {
-    /// The link has message hooks.
-    pub(crate) has_hooks: bool,
-    /// The caller keeps the vehicle's parameters.
-    pub(crate) keeps_params: bool,
-}
-
 /// A plain message that was accounted for and is still to be made and delivered.
 pub(crate) struct Plain<'py> {
     /// Time of the message.
@@ -66,21 +58,19 @@ impl<'py> Plain<'py> {
         (systems, reception): (&mut Systems, &mut Reception),
         (mav, parser): (&MAVLink, &LinkParser),
         frame: &PlainFrame<'_>,
-        interest: &Interest,
+        has_hooks: bool,
         now: f64,
     ) -> Option<Self> {
         let &PlainFrame { header, info, payload } = frame;
         let Header { sysid, compid, seq, .. } = header;
         let heard = systems.find(sysid).filter(|_| (sysid, compid) != RADIO)?;
-        let changes_state = info.changes_state
-            && (interest.keeps_params || !info.is_parameter)
-            && !heard.repeats.hear(&header, payload);
+        let changes_state = info.changes_state && !heard.repeats.hear(&header, payload);
         let plain = Self {
             time: reception.account(Some(Sender { sysid, compid, seq }), info.uptime(payload), now),
             info,
             compid,
             system: heard.state.bind(py).clone(),
-            needs_python: changes_state || interest.has_hooks,
+            needs_python: changes_state || has_hooks,
         };
         shared::add(&mav.counters.packets_received, 1);
         if header.is_signed()

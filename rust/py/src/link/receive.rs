@@ -32,7 +32,7 @@ pub(crate) struct Request<'a, 'py> {
 #[allow(clippy::inline_always)] // once for each message of a log
 pub(crate) fn recv_msg<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
-        if let Some(message) = log_receive::next_plain(link, true)? {
+        if let Some(message) = log_receive::next_plain(link)? {
             return Ok(Some(message.into_any()));
         }
         if link.get().state().reads_log() {

@@ -63,8 +63,6 @@ pub(crate) struct Info {
     pub(crate) time_boot_ms: Option<usize>,
     /// Changes more of a link's state than its table of newest messages.
     pub(crate) changes_state: bool,
-    /// Tells a parameter.
-    pub(crate) is_parameter: bool,
 }
 
 /// Every definition that a message class was made for, by message id.
@@ -120,7 +118,6 @@ impl Info {
             usec: position("usec"),
             time_boot_ms: position("time_boot_ms"),
             changes_state: CHANGES_STATE.contains(&definition.name.as_str()),
-            is_parameter: definition.name == PARAM_VALUE,
             definition,
         }
     }
