@@ -11,8 +11,9 @@ pub type UnknownCounts = mavwire_core::unknown::UnknownCounts<Count>;
 
 /// Counts the message whose frame is at the front of some bytes.
 pub(crate) fn add(counts: &mut UnknownCounts, frame: &[u8], moment: Option<RecordTime>) {
-    if let Some(count) = counts.count(UnknownKind::of(frame), MOST_LISTED) {
-        count.add(moment);
+    match counts.of(UnknownKind::of(frame), MOST_LISTED) {
+        Some(count) => count.add(moment),
+        None => counts.unlisted += 1,
     }
 }
 

@@ -44,16 +44,20 @@ impl<C> Default for UnknownCounts<C> {
 }
 
 impl<C: Default> UnknownCounts<C> {
-    /// The count of a kind of which there is one more message; `None` beyond `most` kinds.
-    pub fn count(&mut self, kind: Option<UnknownKind>, most: usize) -> Option<&mut C> {
-        match kind {
-            Some(kind) if self.listed.len() < most || self.listed.contains_key(&kind) => {
-                Some(self.listed.entry(kind).or_default())
-            }
-            _ => {
-                self.unlisted += 1;
-                None
-            }
-        }
+    /// The count of a kind; `None` for an unexplained checksum, and beyond `most` kinds.
+    pub fn of(&mut self, kind: Option<UnknownKind>, most: usize) -> Option<&mut C> {
+        let kind = kind?;
+        let is_listed = self.listed.len() < most || self.listed.contains_key(&kind);
+        is_listed.then(|| self.listed.entry(kind).or_default())
+    }
+}
+
+impl UnknownCounts {
+    /// Counts messages of a kind. At most `most` kinds are listed.
+    pub fn add(&mut self, kind: UnknownKind, messages: u64, most: usize) {
+        *match self.of(Some(kind), most) {
+            Some(count) => count,
+            None => &mut self.unlisted,
+        } += messages;
     }
 }

@@ -45,7 +45,7 @@ def main(args: Namespace) -> int:
         if described is None:
             tell("mavwire events: the texts are in --event-definitions FILE; these are numbers")
             described = EventDefinitions(b'{"components": {}}')
-        for message in log.messages(["EVENT"], alone=True, blocking=is_link):
+        for message in log.messages(["EVENT"], blocking=is_link):
             event = described.event(message)
             if args.protocol or event.level not in ("protocol", "disabled"):
                 sender = f"{message.get_srcSystem()}/{message.get_srcComponent()}"

@@ -47,7 +47,7 @@ fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>>
         dict.set_item(name, *count)?;
     }
     let unknown = PyList::empty(py);
-    for (kind, count) in unknown_counts(&link.unknown) {
+    for (kind, count) in unknown_counts(&link.unknown, |count| *count) {
         let (id, extra) = kind.unzip();
         unknown.append(dict!(py, "id": id, "crc_extra": extra, "frames": count))?;
     }

@@ -11,7 +11,8 @@ use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
-use mavwire_columns::unknown::{self, UnknownCounts};
+use mavwire_columns::unknown;
+use mavwire_core::unknown::UnknownCounts;
 use mavwire_io::files;
 use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
@@ -216,7 +217,7 @@ impl LogColumns {
     /// `{(message id, CRC_EXTRA): messages}` that the dialect does not know; under `None` those that are not listed.
     #[getter]
     fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
-        unknown_counts(&py.detach(|| self.with(|reader| reader.unknown())))
+        unknown_of_log(&py.detach(|| self.with(|reader| reader.unknown())))
     }
 
     /// What is wrong with the compressed file; `None` for nothing.
@@ -227,10 +228,18 @@ impl LogColumns {
 }
 
 /// Messages that the dialect does not know, by id and `crc_extra`.
-pub(crate) fn unknown_counts(counts: &UnknownCounts) -> BTreeMap<Option<(u32, u8)>, u64> {
+pub(crate) fn unknown_counts<C>(
+    counts: &UnknownCounts<C>,
+    messages: impl Fn(&C) -> u64,
+) -> BTreeMap<Option<(u32, u8)>, u64> {
     let listed = counts.listed.iter();
-    let listed = listed.map(|(kind, one)| (Some((kind.msgid, kind.crc_extra)), one.messages));
+    let listed = listed.map(|(kind, one)| (Some((kind.msgid, kind.crc_extra)), messages(one)));
     listed.chain((counts.unlisted > 0).then_some((None, counts.unlisted))).collect()
+}
+
+/// The same of a log.
+pub(crate) fn unknown_of_log(counts: &unknown::UnknownCounts) -> BTreeMap<Option<(u32, u8)>, u64> {
+    unknown_counts(counts, |count| count.messages)
 }
 
 /// A table without rows of a message, with the columns that `query` asks for.
@@ -274,7 +283,7 @@ pub(crate) fn log_summary<'py>(
         types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
     }
     let dict = summary_dict(py, &sum, types)?;
-    dict.set_item("unknown", unknown_counts(&sum.unknown))?;
+    dict.set_item("unknown", unknown_of_log(&sum.unknown))?;
     Ok(dict)
 }
 

@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
 use crate::python::error::Result;
-use crate::tables::columns::{Query, bytes_of, unknown_counts};
+use crate::tables::columns::{Query, bytes_of, unknown_of_log};
 use crate::tables::convert_output::Output;
 use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
@@ -176,7 +176,7 @@ impl Converter {
     #[getter]
     fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
         let counts = |work: &mut Option<Work>| work.as_ref().map(|work| work.reader.unknown());
-        unknown_counts(&py.detach(|| self.with(counts)).unwrap_or_default())
+        unknown_of_log(&py.detach(|| self.with(counts)).unwrap_or_default())
     }
 
     /// Bytes of the log dealt with, bytes that belong to no record, and what is wrong with the compressed file.
