@@ -239,22 +239,17 @@ class DataflashTables:
 class LogRewrite:
     """One run over telemetry logs that writes another, which appears when it is complete."""
 
-    @staticmethod
-    def select(
-        path: str | PathLike[str],
+    def __new__(
+        cls,
+        paths: list[str],
         dialect: Dialect,
-        query: Selection,
         out: str | PathLike[str],
+        query: Selection | None = None,
         shift: tuple[float, float] | None = None,
     ) -> LogRewrite:
-        """The records that `query` asks for; anonymous where `shift` (degrees north, east) is given.
-
-        ValueError for a span of time of a raw stream.
+        """The records that `query` asks for, or all in the order of time; anonymous where `shift`
+        (degrees north, east) is given. ValueError for a raw stream where times are needed.
         """
-
-    @staticmethod
-    def merge(paths: list[str], dialect: Dialect, out: str | PathLike[str]) -> LogRewrite:
-        """All good records of several logs in the order of time; ValueError for a raw stream."""
 
     def step(self) -> bool:
         """Another block; false at the end."""

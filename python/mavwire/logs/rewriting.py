@@ -76,7 +76,7 @@ def cut(
     inputs, target = _checked([path], out, dialect)
     selection = Selection.of(module, types, **query)
     selection.check_telemetry()
-    return _run(LogRewrite.select(inputs[0], native, selection, target), inputs, progress)
+    return _run(LogRewrite(inputs, native, target, selection), inputs, progress)
 
 
 def repair(
@@ -120,8 +120,7 @@ def anonymize(
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out, dialect)
-    rewrite = LogRewrite.select(inputs[0], native, Selection(), target, shift)
-    return _run(rewrite, inputs, progress)
+    return _run(LogRewrite(inputs, native, target, Selection(), shift), inputs, progress)
 
 
 def merge(
@@ -138,7 +137,7 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out, dialect)
-    rewrite = LogRewrite.merge(inputs, native, target)
+    rewrite = LogRewrite(inputs, native, target)
     return _run(rewrite, inputs, progress, is_damage_named=True)
 
 

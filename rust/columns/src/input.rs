@@ -43,7 +43,7 @@ impl Steps {
     /// Those of each of some logs that are read side by side: their blocks have room together, and whoever reads them may
     /// stop soon.
     pub fn shared_by(logs: usize) -> Self {
-        Self { block: (SHARED / logs.max(1)).max(LEAST_BLOCK), ..Self::default() }
+        Self { block: (SHARED / logs.max(1)).clamp(LEAST_BLOCK, BLOCK), ..Self::default() }
     }
 }
 

@@ -1,8 +1,7 @@
-//! A telemetry log made of another: its good records, or some of them, perhaps without what tells who flew where.
+//! A telemetry log made of others: their good records, or some of them, perhaps without what tells who flew where.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::collections::binary_heap::PeekMut;
 use std::io::{Read, Write};
 use std::iter::Sum;
 use std::sync::Arc;
@@ -119,134 +118,19 @@ impl Mender {
     }
 }
 
-/// A log being rewritten.
+/// Logs being rewritten as one, in the order of time.
 pub struct Rewrite {
-    blocks: Blocks,
-    mender: Mender,
-    framing: Framing,
+    logs: Vec<Input>,
     wanted: Wanted,
     anonymizer: Option<Anonymizer>,
-    outcome: Outcome,
-    in_damage: bool,
 }
 
-impl Rewrite {
-    /// A run that keeps what is `wanted` of a log, perhaps compressed, or of one that is known to be framed like this, and
-    /// plain.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn new(
-        steps: Steps,
-        source: Box<dyn Read + Send>,
-        framing: Option<Framing>,
-        registry: Arc<Registry>,
-        wanted: Wanted,
-        anonymizer: Option<Anonymizer>,
-    ) -> Result<Self, Error> {
-        let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
-        let mender = Mender::new(steps, registry, framing);
-        let (outcome, in_damage) = Default::default();
-        Ok(Self { blocks, mender, framing, wanted, anonymizer, outcome, in_damage })
-    }
-
-    /// Whether records have times.
-    pub fn framing(&self) -> Framing {
-        self.framing
-    }
-
-    /// What became of the log so far.
-    pub fn outcome(&self) -> Outcome {
-        self.outcome
-    }
-
-    /// What is wrong with the compressed file, of which everything before that was read.
-    pub fn damage(&self) -> Option<&str> {
-        self.blocks.damage()
-    }
-
-    /// Whether the log, which was read to its end, holds something and no record.
-    pub fn has_no_records(&self) -> bool {
-        self.outcome.has_no_records(&self.blocks)
-    }
-
-    /// Writes what is kept of another block; false at the end.
-    ///
-    /// # Errors
-    /// What reading and writing say.
-    pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
-        let Self { blocks, mender, framing, wanted, anonymizer, outcome, in_damage } = self;
-        let kept = blocks.next(|block, at_end| {
-            let scanned = mender.scan(block, at_end);
-            let mut kept = Vec::with_capacity(scanned.consumed);
-            for record in &scanned.records {
-                let is_kept = wanted.wants(block, framing.lead(), &scanned, *record)
-                    && put(
-                        &mut kept,
-                        block,
-                        *framing,
-                        &scanned,
-                        *record,
-                        mender.scanner.registry(),
-                        anonymizer.as_ref(),
-                    );
-                outcome.written += u64::from(is_kept);
-            }
-            outcome.add(&scanned, in_damage);
-            (scanned.consumed, kept)
-        })?;
-        let Some(kept) = kept else { return Ok(false) };
-        out.write_all(&kept)?;
-        Ok(true)
-    }
-}
-
-/// Appends a record; false if nothing of it may be kept.
-fn put(
-    out: &mut Vec<u8>,
-    block: &[u8],
-    framing: Framing,
-    scanned: &Scanned,
-    record: Located,
-    registry: &Registry,
-    anonymizer: Option<&Anonymizer>,
-) -> bool {
-    let lead = framing.lead();
-    let Some(header) = header_at(block, record.at, lead) else { return false };
-    let (start, before) = (record.at as usize + lead, out.len());
-    let frame = &block[start..start + header.frame_len()];
-    if framing == Framing::Stamped {
-        out.extend_from_slice(&time_of(scanned, block, record).to_be_bytes());
-    }
-    match anonymizer {
-        None => out.extend_from_slice(frame),
-        Some(anonymizer) => {
-            let entry = registry.entry(record.index);
-            if !anonymizer.apply(frame, &header, entry, out) {
-                out.truncate(before);
-                return false;
-            }
-        }
-    }
-    true
-}
-
-/// The time of a record of a log that has time stamps.
-fn time_of(scanned: &Scanned, block: &[u8], record: Located) -> u64 {
-    scanned.time(block, record.at).unwrap_or_default()
-}
-
-/// Several logs being merged in the order of time.
-pub struct Merge {
-    logs: Vec<Input>,
-}
-
-/// One of them: the records of a block, and how many of them were taken.
+/// One of the logs: what is kept of a block, and how many records of that were taken.
 struct Input {
     blocks: Blocks,
     mender: Mender,
     bytes: Vec<u8>,
-    /// Time, and where it ends in `bytes`.
+    /// Time, and where the record ends in `bytes`.
     records: Vec<(u64, usize)>,
     taken: usize,
     ended: bool,
@@ -254,36 +138,34 @@ struct Input {
     in_damage: bool,
 }
 
-impl Merge {
-    /// A run over logs; each is read in its own order, and of records of one time that of the first log comes first.
+impl Rewrite {
+    /// A run that keeps what is `wanted` of logs, perhaps compressed, or of logs that are known to be framed like this, and
+    /// plain. Each is read in its own order, and of records of one time that of the first log comes first.
     ///
     /// # Errors
-    /// What reading says; a raw stream, which has no time stamps, with its place among the logs.
+    /// What reading says.
     pub fn new(
         steps: Steps,
         sources: Vec<Box<dyn Read + Send>>,
+        framing: Option<Framing>,
         registry: &Arc<Registry>,
-    ) -> Result<Result<Self, usize>, Error> {
-        let mut logs = Vec::new();
-        for (place, source) in sources.into_iter().enumerate() {
-            let (blocks, framing) = Blocks::framed(source, None, registry, steps.block)?;
-            if framing == Framing::Raw {
-                return Ok(Err(place));
-            }
+        wanted: Wanted,
+        anonymizer: Option<Anonymizer>,
+    ) -> Result<Self, Error> {
+        let input = |source| {
+            let (blocks, framing) = Blocks::framed(source, framing, registry, steps.block)?;
             let mender = Mender::new(steps, Arc::clone(registry), framing);
-            let (bytes, records) = (Vec::new(), Vec::new());
-            logs.push(Input {
-                blocks,
-                mender,
-                bytes,
-                records,
-                taken: 0,
-                ended: false,
-                outcome: Outcome::default(),
-                in_damage: false,
-            });
-        }
-        Ok(Ok(Self { logs }))
+            let (bytes, records, outcome) = Default::default();
+            let (taken, ended, in_damage) = (0, false, false);
+            Ok(Input { blocks, mender, bytes, records, taken, ended, outcome, in_damage })
+        };
+        let logs = sources.into_iter().map(input).collect::<Result<_, Error>>()?;
+        Ok(Self { logs, wanted, anonymizer })
+    }
+
+    /// The place of the first log without time stamps, if there is one.
+    pub fn raw_log(&self) -> Option<usize> {
+        self.logs.iter().position(|log| log.mender.framing == Framing::Raw)
     }
 
     /// What became of the logs so far.
@@ -310,22 +192,24 @@ impl Merge {
     /// # Errors
     /// What reading and writing say.
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
-        for log in &mut self.logs {
-            while log.taken == log.records.len() && !log.ended {
-                log.refill()?;
-            }
+        let Self { logs, wanted, anonymizer } = self;
+        for log in logs.iter_mut().filter(|log| log.needs_block()) {
+            log.refill(wanted, anonymizer.as_ref())?;
+        }
+        if logs.iter().any(Input::needs_block) {
+            return Ok(true);
         }
         let next = |(place, log): (usize, &Input)| Some(Reverse((log.time()?, place)));
-        let mut fronts: BinaryHeap<_> = self.logs.iter().enumerate().filter_map(next).collect();
-        let mut any = false;
+        let mut fronts: BinaryHeap<_> = logs.iter().enumerate().filter_map(next).collect();
+        let any = !fronts.is_empty();
         let mut merged = Vec::new();
-        while let Some(mut front) = fronts.peek_mut() {
-            let log = &mut self.logs[front.0.1];
-            merged.extend_from_slice(log.take());
-            any = true;
+        while let Some(Reverse((_, place))) = fronts.pop() {
+            let other = fronts.peek().map(|&Reverse(front)| front);
+            let log = &mut logs[place];
+            merged.extend_from_slice(log.take_before(place, other));
             match log.time() {
-                Some(time) => front.0.0 = time,
-                None if log.ended => drop(PeekMut::pop(front)),
+                Some(time) => fronts.push(Reverse((time, place))),
+                None if log.ended => {}
                 None => break,
             }
         }
@@ -335,30 +219,42 @@ impl Merge {
 }
 
 impl Input {
+    fn needs_block(&self) -> bool {
+        self.taken == self.records.len() && !self.ended
+    }
+
     /// The time of the next record, of those that are there.
     fn time(&self) -> Option<u64> {
         self.records.get(self.taken).map(|&(time, _)| time)
     }
 
-    fn take(&mut self) -> &[u8] {
-        let start = if self.taken == 0 { 0 } else { self.records[self.taken - 1].1 };
-        let end = self.records[self.taken].1;
-        self.taken += 1;
-        self.outcome.written += 1;
-        &self.bytes[start..end]
+    /// The records up to the first one behind that of another log: its time and the place of that log.
+    fn take_before(&mut self, place: usize, other: Option<(u64, usize)>) -> &[u8] {
+        let ends = |taken: usize| taken.checked_sub(1).map_or(0, |last| self.records[last].1);
+        let left = self.records[self.taken..].iter();
+        let is_due = |&&(time, _): &&(u64, usize)| other.is_none_or(|other| (time, place) < other);
+        let count = left.take_while(is_due).count();
+        let range = ends(self.taken)..ends(self.taken + count);
+        self.taken += count;
+        self.outcome.written += count as u64;
+        &self.bytes[range]
     }
 
-    fn refill(&mut self) -> Result<(), Error> {
+    /// Reads the next block.
+    fn refill(&mut self, wanted: &Wanted, anonymizer: Option<&Anonymizer>) -> Result<(), Error> {
         let Self { blocks, mender, bytes, records, taken, ended, outcome, in_damage } = self;
         bytes.clear();
         records.clear();
         *taken = 0;
+        let lead = mender.framing.lead();
         let more = blocks.next(|block, at_end| {
             let scanned = mender.scan(block, at_end);
             for record in &scanned.records {
-                let framing = Framing::Stamped;
-                if put(bytes, block, framing, &scanned, *record, mender.scanner.registry(), None) {
-                    records.push((time_of(&scanned, block, *record), bytes.len()));
+                let time = scanned.time(block, record.at).unwrap_or_default();
+                if wanted.wants(block, lead, &scanned, *record)
+                    && put(bytes, block, time, *record, &mender.scanner, anonymizer)
+                {
+                    records.push((time, bytes.len()));
                 }
             }
             outcome.add(&scanned, in_damage);
@@ -367,6 +263,31 @@ impl Input {
         *ended = more.is_none();
         Ok(())
     }
+}
+
+/// Appends a record; false if nothing of it may be kept.
+fn put(
+    out: &mut Vec<u8>,
+    block: &[u8],
+    time: u64,
+    record: Located,
+    scanner: &LogScanner,
+    anonymizer: Option<&Anonymizer>,
+) -> bool {
+    let lead = scanner.lead();
+    let Some(header) = header_at(block, record.at, lead) else { return false };
+    let (start, before) = (record.at as usize + lead, out.len());
+    let frame = &block[start..start + header.frame_len()];
+    out.extend_from_slice(&time.to_be_bytes()[..lead]);
+    let Some(anonymizer) = anonymizer else {
+        out.extend_from_slice(frame);
+        return true;
+    };
+    let is_kept = anonymizer.apply(frame, &header, scanner.registry().entry(record.index), out);
+    if !is_kept {
+        out.truncate(before);
+    }
+    is_kept
 }
 
 #[cfg(test)]
@@ -396,21 +317,25 @@ mod tests {
         log
     }
 
-    #[test]
-    fn damage_that_goes_on_in_another_block_is_one_place() {
+    fn rewritten(steps: Steps, logs: &[&[u8]], framing: Option<Framing>) -> (Vec<u8>, Outcome) {
         let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
         let registry = Arc::new(Registry::new(dialect));
+        let source =
+            |log: &&[u8]| -> Box<dyn Read + Send> { Box::new(std::io::Cursor::new(log.to_vec())) };
+        let sources = logs.iter().map(source).collect();
+        let rewrite = Rewrite::new(steps, sources, framing, &registry, Wanted::default(), None);
+        let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
+        while rewrite.advance(&mut out).expect("writing") {}
+        (out, rewrite.outcome())
+    }
+
+    #[test]
+    fn damage_that_goes_on_in_another_block_is_one_place() {
         let (front, rest) = (log(0..10, 1), log(20..30, 1));
         let bytes = [&front[..], &[7; 500], &rest, &[7; 300], &front].concat();
-        let source = || -> Box<dyn Read + Send> { Box::new(std::io::Cursor::new(bytes.clone())) };
         for block in [40, 100, 333, 1 << 20] {
-            let (steps, registry) = (Steps { block, ..Steps::default() }, Arc::clone(&registry));
-            let framing = Some(Framing::Stamped);
-            let wanted = Wanted::default();
-            let rewrite = Rewrite::new(steps, source(), framing, registry, wanted, None);
-            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
-            while rewrite.advance(&mut out).expect("writing") {}
-            let outcome = rewrite.outcome();
+            let steps = Steps { block, ..Steps::default() };
+            let (_, outcome) = rewritten(steps, &[&bytes], Some(Framing::Stamped));
             assert_eq!((outcome.written, outcome.bad_bytes), (30, 800), "blocks of {block}");
             assert_eq!(outcome.bad_places, 2, "blocks of {block}");
         }
@@ -418,8 +343,6 @@ mod tests {
 
     #[test]
     fn a_wrong_time_between_good_ones_is_replaced_by_the_one_in_front() {
-        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
-        let registry = Arc::new(Registry::new(dialect));
         let day = 24 * 3600 * 1_000_000;
         let start = 20_000 * day;
         // The clock is set twice, which is no damage; a single time at either end is contradicted by one other.
@@ -440,38 +363,25 @@ mod tests {
         ];
         let (bytes, expected) = (log(times.into_iter(), 1), log(mended.into_iter(), 1));
         for block in [1, 8, 29, 40, 100, 1 << 20] {
-            let source = Box::new(std::io::Cursor::new(bytes.clone()));
-            let (steps, framing) = (Steps { block, ..Steps::default() }, Some(Framing::Stamped));
-            let registry = Arc::clone(&registry);
-            let rewrite = Rewrite::new(steps, source, framing, registry, Wanted::default(), None);
-            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
-            while rewrite.advance(&mut out).expect("writing") {}
+            let steps = Steps { block, ..Steps::default() };
+            let (out, outcome) = rewritten(steps, &[&bytes], Some(Framing::Stamped));
             assert_eq!(out, expected, "blocks of {block}");
-            assert_eq!(rewrite.outcome().restamped, 2, "blocks of {block}");
+            assert_eq!(outcome.restamped, 2, "blocks of {block}");
         }
     }
 
     #[test]
     fn a_clock_that_is_set_in_front_of_zeros_is_no_damage() {
-        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
-        let registry = Arc::new(Registry::new(dialect));
         let records = log([5_000_000, 6_000_000, 1_700_000_000_000_000].into_iter(), 1);
         let bytes = [&records[..], &[0; 40], &records[records.len() / 3 * 2..]].concat();
         for (bytes, count) in [(records, 3), (bytes, 4)] {
-            let source = Box::new(std::io::Cursor::new(bytes));
-            let (steps, framing) = (Steps::default(), Some(Framing::Stamped));
-            let registry = Arc::clone(&registry);
-            let rewrite = Rewrite::new(steps, source, framing, registry, Wanted::default(), None);
-            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
-            while rewrite.advance(&mut out).expect("writing") {}
-            assert_eq!((rewrite.outcome().written, rewrite.outcome().restamped), (count, 0));
+            let (_, outcome) = rewritten(Steps::default(), &[&bytes], Some(Framing::Stamped));
+            assert_eq!((outcome.written, outcome.restamped), (count, 0));
         }
     }
 
     #[test]
     fn any_blocks_merge_to_the_same() {
-        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
-        let registry = Arc::new(Registry::new(dialect));
         let logs = [
             log((0..300).map(|n| 1000 + 7 * n), 1),
             log((0..100).map(|n| 1000 + 21 * n), 2),
@@ -482,16 +392,10 @@ mod tests {
         // Stable: of one time, the first log's comes first.
         expected.sort_by_key(|record| record[..8].to_vec());
         for block in [40, 1000, 1 << 20] {
-            let source = |log: &Vec<u8>| -> Box<dyn Read + Send> {
-                Box::new(std::io::Cursor::new(log.clone()))
-            };
-            let sources = logs.iter().map(source).collect();
             let steps = Steps { block, ..Steps::default() };
-            let merge = Merge::new(steps, sources, &registry).expect("reading");
-            let (mut merge, mut out) = (merge.expect("times"), Vec::new());
-            while merge.advance(&mut out).expect("merging") {}
+            let (out, outcome) = rewritten(steps, &logs.each_ref().map(Vec::as_slice), None);
             assert_eq!(out, expected.concat(), "blocks of {block}");
-            assert_eq!((merge.outcome().written, merge.outcome().bad_bytes), (900, 0));
+            assert_eq!((outcome.written, outcome.bad_bytes), (900, 0));
         }
     }
 }

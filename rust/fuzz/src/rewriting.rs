@@ -1,9 +1,7 @@
 //! Telemetry logs made of others: what is repaired, cut, merged or made anonymous is what one scanner finds, record by record.
 
-use std::sync::Arc;
-
 use mavwire_columns::input::Steps;
-use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
+use mavwire_columns::rewrite::{Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_core::anonymize::Anonymizer;
@@ -51,8 +49,8 @@ fn rewritten(
     wanted: Wanted,
     anonymizer: Option<Anonymizer>,
 ) -> (Vec<u8>, Outcome) {
-    let (source, registry) = (source(bytes), Arc::clone(&ALL));
-    let rewrite = Rewrite::new(steps, source, Some(framing), registry, wanted, anonymizer);
+    let sources = vec![source(bytes)];
+    let rewrite = Rewrite::new(steps, sources, Some(framing), &ALL, wanted, anonymizer);
     let (mut rewrite, mut out) = (rewrite.expect("memory does not fail"), Vec::new());
     while rewrite.advance(&mut out).expect("memory does not fail") {}
     (out, rewrite.outcome())
@@ -123,10 +121,12 @@ fn merged(steps: Steps, logs: &[Vec<u8>; 2]) {
         return;
     }
     let sources = logs.iter().map(|log| source(log)).collect();
+    let merge = Rewrite::new(steps, sources, None, &ALL, Wanted::default(), None);
+    let mut merge = merge.expect("memory does not fail");
     // A log whose first block looks like one without times is refused.
-    let Ok(mut merge) = Merge::new(steps, sources, &ALL).expect("memory does not fail") else {
+    if merge.raw_log().is_some() {
         return;
-    };
+    }
     let mut out = Vec::new();
     while merge.advance(&mut out).expect("memory does not fail") {}
     let [one, other] = [0, 1].map(|at| one_by_one(&logs[at], Framing::Stamped));

@@ -130,10 +130,14 @@ impl Query {
         Ok(reader)
     }
 
+    /// Only records of some time are wanted.
+    pub(crate) fn is_timed(&self) -> bool {
+        self.start.is_some() || self.end.is_some()
+    }
+
     /// Refuses a log without times if only records of some time are wanted.
     pub(crate) fn check_times(&self, has_times: bool) -> Result<(), Error> {
-        let any_time = self.start.is_none() && self.end.is_none();
-        if any_time || self.untimed || has_times { Ok(()) } else { Err(Error::Untimed) }
+        if has_times || self.untimed || !self.is_timed() { Ok(()) } else { Err(Error::Untimed) }
     }
 }
 

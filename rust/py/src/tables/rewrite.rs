@@ -1,12 +1,11 @@
 //! `LogRewrite`: a telemetry log made of others, without the interpreter.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::input::Steps;
-use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
-use mavwire_columns::scan::Framing;
+use mavwire_columns::rewrite::Rewrite;
 use mavwire_core::anonymize::{Anonymizer, Shift};
 use mavwire_io::files::{self, Draft};
 use pyo3::exceptions::PyValueError;
@@ -18,44 +17,8 @@ use crate::python::error::{Error, Result};
 use crate::python::lists::list;
 use crate::tables::columns::Query;
 
-enum Run {
-    One(Box<Rewrite>),
-    Several(Merge),
-}
-
-impl Run {
-    fn advance(&mut self, out: &mut dyn Write) -> Result<bool, mavwire_columns::Error> {
-        match self {
-            Self::One(rewrite) => rewrite.advance(out),
-            Self::Several(merge) => merge.advance(out),
-        }
-    }
-
-    fn without_records(&self) -> Vec<(usize, Option<&str>)> {
-        match self {
-            Self::One(rewrite) if rewrite.has_no_records() => vec![(0, rewrite.damage())],
-            Self::One(_) => Vec::new(),
-            Self::Several(merge) => merge.without_records(),
-        }
-    }
-
-    fn outcome(&self) -> Outcome {
-        match self {
-            Self::One(rewrite) => rewrite.outcome(),
-            Self::Several(merge) => merge.outcome(),
-        }
-    }
-
-    fn damage(&self) -> Vec<(usize, &str)> {
-        match self {
-            Self::One(rewrite) => rewrite.damage().map(|damage| (0, damage)).into_iter().collect(),
-            Self::Several(merge) => merge.damage(),
-        }
-    }
-}
-
 struct Work {
-    run: Run,
+    rewrite: Rewrite,
     /// `None` when it was committed or abandoned.
     draft: Option<Draft>,
 }
@@ -67,11 +30,6 @@ pub(crate) struct LogRewrite {
 }
 
 impl LogRewrite {
-    fn new(run: Run, out: &Path) -> Result<Self> {
-        let draft = Some(Draft::create(out)?);
-        Ok(Self { work: Mutex::new(Work { run, draft }) })
-    }
-
     fn with<T>(&self, take: impl FnOnce(&mut Work) -> T) -> T {
         take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -79,58 +37,44 @@ impl LogRewrite {
 
 #[pymethods]
 impl LogRewrite {
-    /// The records of `path` that `query` asks for to `out`; positions are shifted by `shift` degrees to the north and
-    /// east, and identifiers emptied, unless that is None.
-    #[staticmethod]
-    #[pyo3(signature = (path, dialect, query, out, shift=None))]
-    fn select(
-        py: Python<'_>,
-        path: PathBuf,
-        dialect: &Dialect,
-        query: Query,
-        out: PathBuf,
-        shift: Option<(f64, f64)>,
-    ) -> Result<Self> {
-        let registry = &dialect.registry;
-        let wanted = query.wanted(dialect);
-        let is_timed = query.start.is_some() || query.end.is_some();
-        let anonymizer = shift.map(|(latitude, longitude)| {
-            Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
-        });
-        let rewrite = py.detach(|| {
-            let (steps, source) = (Steps::default(), files::open(&path)?);
-            Rewrite::new(steps, source, None, Arc::clone(registry), wanted, anonymizer)
-        })?;
-        if is_timed && rewrite.framing() == Framing::Raw {
-            return Err(no_times(&path).into());
-        }
-        Self::new(Run::One(Box::new(rewrite)), &out)
-    }
-
-    /// All good records of several logs to `out`, in the order of time.
-    #[staticmethod]
-    fn merge(
+    /// The records of `paths` to `out` that `query` asks for, or all in the order of time. Positions are shifted by `shift`
+    /// degrees to the north and east, and identifiers emptied, unless that is None.
+    #[new]
+    #[pyo3(signature = (paths, dialect, out, query=None, shift=None))]
+    fn new(
         py: Python<'_>,
         #[pyo3(from_py_with = list)] paths: Vec<PathBuf>,
         dialect: &Dialect,
         out: PathBuf,
+        query: Option<Query>,
+        shift: Option<(f64, f64)>,
     ) -> Result<Self> {
-        let merge = py.detach(|| -> Result<_> {
-            let open = |path: &PathBuf| files::open(path).map_err(|error| named(path, error));
-            let sources: Vec<_> = paths.iter().map(open).collect::<Result<_, _>>()?;
-            Ok(Merge::new(Steps::shared_by(sources.len()), sources, &dialect.registry)?)
+        let registry = &dialect.registry;
+        let needs_times = query.as_ref().is_none_or(Query::is_timed);
+        let wanted = query.unwrap_or_default().wanted(dialect);
+        let anonymizer = shift.map(|(latitude, longitude)| {
+            Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
         });
-        match merge? {
-            Ok(merge) => Self::new(Run::Several(merge), &out),
-            Err(place) => Err(no_times(&paths[place]).into()),
+        let rewrite = py.detach(|| -> Result<_> {
+            let open = |path: &PathBuf| {
+                files::open(path).map_err(|error| opening(path, paths.len(), error))
+            };
+            let sources: Vec<_> = paths.iter().map(open).collect::<Result<_>>()?;
+            let steps = Steps::shared_by(sources.len());
+            Ok(Rewrite::new(steps, sources, None, registry, wanted, anonymizer)?)
+        })?;
+        if let Some(raw) = rewrite.raw_log().filter(|_| needs_times) {
+            return Err(no_times(&paths[raw]).into());
         }
+        let draft = Some(Draft::create(&out)?);
+        Ok(Self { work: Mutex::new(Work { rewrite, draft }) })
     }
 
     /// Another block; false at the end.
     fn step(&self, py: Python<'_>) -> Result<bool> {
         py.check_signals()?;
         let step = |work: &mut Work| match &mut work.draft {
-            Some(draft) => work.run.advance(draft),
+            Some(draft) => work.rewrite.advance(draft),
             None => Ok(false),
         };
         Ok(py.detach(|| self.with(step))?)
@@ -151,18 +95,20 @@ impl LogRewrite {
     /// of them were read.
     fn without_records(&self, py: Python<'_>) -> Vec<(usize, Option<String>)> {
         let owned = |(place, damage): (usize, Option<&str>)| (place, damage.map(str::to_owned));
-        py.detach(|| self.with(|work| work.run.without_records().into_iter().map(owned).collect()))
+        py.detach(|| {
+            self.with(|work| work.rewrite.without_records().into_iter().map(owned).collect())
+        })
     }
 
     /// The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them.
     fn damage(&self, py: Python<'_>) -> Vec<(usize, String)> {
         let owned = |(place, damage): (usize, &str)| (place, damage.to_owned());
-        py.detach(|| self.with(|work| work.run.damage().into_iter().map(owned).collect()))
+        py.detach(|| self.with(|work| work.rewrite.damage().into_iter().map(owned).collect()))
     }
 
     /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let outcome = py.detach(|| self.with(|work| work.run.outcome()));
+        let outcome = py.detach(|| self.with(|work| work.rewrite.outcome()));
         let dict = PyDict::new(py);
         dict.set_item("bytes", outcome.bytes)?;
         dict.set_item("records", outcome.records)?;
@@ -174,10 +120,11 @@ impl LogRewrite {
     }
 }
 
-/// The error of a log that cannot be opened beside the others.
-fn named(path: &Path, error: io::Error) -> Error {
+/// The error of one of some logs that cannot be opened.
+fn opening(path: &Path, logs: usize, error: io::Error) -> Error {
     let advice = match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => "",
+        _ if logs == 1 => "",
         _ => " (all logs are open at once: merge fewer of them, then what comes of that)",
     };
     Error::Opening { path: path.to_owned(), error, advice }
