@@ -26,7 +26,8 @@ class Track:
         elif stamp == self._stamp:
             return
         else:
-            self.metres += great_circle(*map(radians, self.end), radians(lat), radians(lon))
+            before, here = map(radians, self.end), map(radians, (lat, lon))
+            self.metres += great_circle(*before, *here)
         self.end, self._stamp = (lat, lon), stamp
 
     def follow(self, msg: Any) -> None:
