@@ -137,25 +137,21 @@ class RecordBatches:
 
 @final
 class ColumnView(Buffer):
-    """One column: a read-only buffer of numbers, or a list of texts."""
+    """One column: a read-only buffer of numbers, or a list of texts; the elements of lists one by one."""
 
     @property
-    def is_numeric(self) -> bool:
-        """Whether the buffer protocol shows it."""
-
-    @property
-    def is_time(self) -> bool:
-        """Whether its numbers are microseconds since 1970."""
-
-    def valid(self) -> bytes | None:
-        """A byte for each row, 1 where there is a value; None where all rows have one."""
+    def dtype(self) -> str | None:
+        """The type of its numbers or times as NumPy spells it; None for texts."""
 
     @property
     def elements(self) -> int | None:
-        """How many elements its lists have; None where its values are no lists."""
+        """How many elements its lists have; None if its values are no lists."""
+
+    def valid(self) -> bytes | None:
+        """A byte for each value, 0 for a null; None if there are no nulls."""
 
     def to_list(self) -> list[Any]:
-        """The texts or bytes, those of lists one by one, None for rows without; BufferError for numbers."""
+        """The texts or bytes, None for nulls; BufferError for numbers."""
 
     def __len__(self) -> int: ...
 

@@ -120,21 +120,15 @@ class Table:
             remedy = "a column by its name, columns by a list of names, or rows by a slice"
             raise TypeError(f"a table gives {remedy}, not by {what!r}")
         view = self._batches.column(what)
-        if not view.is_numeric:
-            values = view.to_list()
-            array = np.empty(len(values), dtype=object)
-            array[:] = values
-            return array if view.elements is None else array.reshape(len(view), view.elements)
-        array = np.asarray(view)
-        if view.is_time:
-            array = array.view("datetime64[us]")
-        valid = view.valid()
-        if valid is not None:
-            array = array.astype("float64" if array.dtype.kind in "iu" else array.dtype)
-            array[~np.frombuffer(valid, bool).reshape(array.shape)] = (
-                "NaT" if view.is_time else "nan"
-            )
-        return array
+        if view.dtype is None:
+            array = np.empty(len(view), dtype=object)
+            array[:] = view.to_list()
+        else:
+            array = np.frombuffer(view, view.dtype)
+            if (valid := view.valid()) is not None:
+                array = array.astype("float64" if array.dtype.kind in "iu" else array.dtype)
+                array[~np.frombuffer(valid, bool)] = "NaT" if array.dtype.kind == "M" else "nan"
+        return array if view.elements is None else array.reshape(-1, view.elements)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -271,7 +265,7 @@ class Table:
             import pandas as pd
 
         view = self._batches.column(column)
-        values, valid = np.array(view), view.valid()
+        values, valid = np.frombuffer(view, view.dtype).copy(), view.valid()
         missing = np.zeros(len(values), bool) if valid is None else ~np.frombuffer(valid, bool)
         return pd.arrays.IntegerArray(values, missing)
 
