@@ -124,7 +124,7 @@ class Table:
             array = np.empty(len(view), dtype=object)
             array[:] = view.to_list()
         else:
-            array = np.frombuffer(view, view.dtype)
+            array = np.frombuffer(memoryview(view), view.dtype)
             if (valid := view.valid()) is not None:
                 array = array.astype("float64" if array.dtype.kind in "iu" else array.dtype)
                 array[~np.frombuffer(valid, bool)] = "NaT" if array.dtype.kind == "M" else "nan"
@@ -265,7 +265,7 @@ class Table:
             import pandas as pd
 
         view = self._batches.column(column)
-        values, valid = np.frombuffer(view, view.dtype).copy(), view.valid()
+        values, valid = np.frombuffer(memoryview(view), view.dtype).copy(), view.valid()
         missing = np.zeros(len(values), bool) if valid is None else ~np.frombuffer(valid, bool)
         return pd.arrays.IntegerArray(values, missing)
 

@@ -164,10 +164,8 @@ impl<'a, 'py> Dump<'a, 'py> {
             if let Some(types) = &self.options.types {
                 LogLink::advance(self.log, types)?;
             }
-            if !self.take_plain()? {
-                let Some(found) = self.next()? else { return Ok(()) };
-                self.take(&found)?;
-            }
+            let Some(found) = self.next()? else { return Ok(()) };
+            self.take(&found)?;
             seen += 1;
             if seen.is_multiple_of(PULSE) {
                 self.gil_yield.give_way(self.log.py())?;
@@ -177,54 +175,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         }
     }
 
-    /// Writes the next record straight from the file's buffer. Reads nothing unless the record is a good frame, and Python
-    /// was asked before about its type and its second.
-    fn take_plain(&mut self) -> PyResult<bool> {
-        let log = self.log;
-        let mut guard = log.as_super().get().state();
-        let state = &mut *guard;
-        let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
-            return Ok(false);
-        };
-        let mut parser = mav.get().parser();
-        let (types, percent) = (self.types.clone(), reader.percent());
-        if self.options.record.is_some()
-            || parser.scanner.ignore_checksum
-            || parser.checks_signatures()
-        {
-            return Ok(false);
-        }
-        let Some(record) = reader.peek(&parser, &types.registry)? else { return Ok(false) };
-        let (Some(is_wanted), Some(header)) =
-            (self.wanted.known[usize::from(record.index)], Header::parse(record.stream))
-        else {
-            return Ok(false);
-        };
-        if is_wanted {
-            if types.text.as_ref().is_some_and(|(index, _)| *index == record.index) {
-                return Ok(false);
-            }
-            if types.style.shows_clock() && record.time as u64 != self.clock.0 {
-                return Ok(false);
-            }
-            let item = types.known(record.index, record.stream, header);
-            if self.is_selected(&item, record.link) {
-                let line = Line { time: record.time, clock: &self.clock.1, item: &item };
-                write_line(&mut self.lines, &types.style, &line);
-            }
-        }
-        let (len, time, link) = (record.len, record.time, record.link);
-        parser.passed(record.stream[0]);
-        drop(parser);
-        reader.accept(len, time, link);
-        state.percent = percent;
-        drop(guard);
-        if self.lines.len() >= CHUNK {
-            self.flush()?;
-        }
-        Ok(true)
-    }
-
+    /// The content of the log at its place; `None` at its end.
     fn next(&self) -> PyResult<Option<Found>> {
         let mut guard = self.log.as_super().get().state();
         let state = &mut *guard;
@@ -232,8 +183,19 @@ impl<'a, 'py> Dump<'a, 'py> {
             return Ok(None);
         };
         state.percent = reader.percent();
-        let native = mav.get();
-        let (step, _) = reader.next(&mut native.parser(), &native.dialect.get().registry, true)?;
+        let (mut parser, registry) = (mav.get().parser(), &self.types.registry);
+        let has_own_rules = parser.scanner.ignore_checksum || parser.checks_signatures();
+        if !has_own_rules
+            && let Some(record) = reader.peek(&parser, registry)?
+            && let Some(header) = Header::parse(record.stream)
+        {
+            let (len, time, link) = (record.len, record.time, record.link);
+            let (bytes, entry) = (record.stream[..len].into(), registry.entry(record.index));
+            parser.passed(record.stream[0]);
+            reader.accept(len, time, link);
+            return Ok(Some(Found { step: Step::Frame { bytes, header, entry }, time, link }));
+        }
+        let (step, _) = reader.next(&mut parser, registry, true)?;
         if matches!(step, Step::Nothing) {
             return Ok(None);
         }
