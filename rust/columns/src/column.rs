@@ -10,7 +10,7 @@ use arrow::array::{
 use arrow::buffer::{Buffer, NullBuffer};
 use arrow::datatypes::{DataType, Field as ArrowField};
 use arrow::error::ArrowError;
-use mavwire_core::codec::number;
+use mavwire_core::codec::{Number, number};
 use mavwire_core::log::dataflash::{half, text::decode_line};
 use mavwire_schema::{Field, FieldType, InvalidRule};
 
@@ -249,8 +249,12 @@ fn numbers(
     let number_type = number_type(&column.source, column.scale);
     let len = bits.len() / number_type.size();
     let array = if let Some(names) = &column.names {
-        let number = |n| number(number_type, &bits, n * number_type.size()).integer();
-        names.dictionary((0..len).map(number), valid)
+        let integer = |n| match number(number_type, &bits, n * number_type.size()) {
+            Number::Unsigned(number) => number.into(),
+            Number::Signed(number) => number.into(),
+            Number::Float(number) => number as i128,
+        };
+        names.dictionary((0..len).map(integer), valid)
     } else {
         let data = ArrayData::builder(element_type(number_type)).len(len).add_buffer(bits);
         make_array(data.nulls(valid).build()?)

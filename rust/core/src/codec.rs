@@ -16,17 +16,6 @@ pub enum Number {
     Float(f64),
 }
 
-impl Number {
-    /// The number as an integer: floats are cut off.
-    pub fn integer(self) -> i128 {
-        match self {
-            Self::Unsigned(number) => number.into(),
-            Self::Signed(number) => number.into(),
-            Self::Float(number) => number as i128,
-        }
-    }
-}
-
 /// `N` bytes of a payload from `offset`; bytes beyond its end are zero.
 #[inline]
 pub fn read<const N: usize>(payload: &[u8], offset: usize) -> [u8; N] {
