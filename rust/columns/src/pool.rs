@@ -1,21 +1,13 @@
 //! The threads that logs are read with.
 //!
-//! Rayon's own pool does not survive a fork: the child has none of its threads, and would wait for them for ever. So there
-//! is one for each process, and whoever uses rayon does so within [`run`].
+//! Rayon's own pool does not survive a fork: the child has none of its threads, and would wait for them for ever. So each
+//! process has a pool of its own, and all uses of rayon are within [`run`].
 
-use std::env;
 use std::process;
 use std::sync::OnceLock;
-use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-
-/// Variables by which rayon is asked for a number of threads, the first one first.
-const ASKED: [&str; 2] = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"];
-/// Threads that are made in any case where they are asked for, and threads for each processor.
-const ALLOWED: usize = 64;
-const ALLOWED_EACH: usize = 4;
 
 /// The pool of a process, and that of a process that was forked from it. None is ever dropped: a child cannot end
 /// threads that only its parent has.
@@ -75,18 +67,6 @@ fn become_pool() {
     let _: Option<&ThreadPool> = alone.ok().map(|pool| &*Box::leak(Box::new(pool)));
 }
 
-/// How many threads a pool is to have; 0 for as many as rayon chooses, by its variables too. Thousands of them, which nobody
-/// means, look for work at each other for so long that none gets any done.
-fn threads() -> usize {
-    let asked = ASKED.iter().find_map(|name| env::var(name).ok()?.parse().ok());
-    bounded(asked.unwrap_or(0), available_parallelism().map_or(1, usize::from))
-}
-
-fn bounded(asked: usize, processors: usize) -> usize {
-    let most = ALLOWED.max(processors.saturating_mul(ALLOWED_EACH));
-    if asked > most { most } else { 0 }
-}
-
 /// `None` where no thread can be started now.
 fn pool() -> Option<&'static ThreadPool> {
     let process = process::id();
@@ -95,7 +75,7 @@ fn pool() -> Option<&'static ThreadPool> {
         let generation = match place.get() {
             Some(generation) => generation,
             None => {
-                let pool = ThreadPoolBuilder::new().num_threads(threads()).build().ok()?;
+                let pool = ThreadPoolBuilder::new().build().ok()?;
                 let new = Generation { process, pool, child: OnceLock::new() };
                 // Whoever loses a race takes what the winner has made.
                 place.get_or_init(|| Box::leak(Box::new(new)))
@@ -132,17 +112,6 @@ mod tests {
         });
         let (own, used, nested) = alone.join().expect("threads");
         assert!(used != own && nested != own);
-    }
-
-    #[test]
-    fn threads_beyond_reason_are_bounded() {
-        for asked in [0, 1, 2, 8, 64] {
-            assert_eq!(bounded(asked, 2), 0, "left to rayon");
-        }
-        assert_eq!(bounded(65, 2), 64);
-        assert_eq!(bounded(usize::MAX, 2), 64);
-        assert_eq!(bounded(5000, 96), 384);
-        assert_eq!(bounded(384, 96), 0);
     }
 
     fn current() -> std::thread::ThreadId {
