@@ -1,16 +1,9 @@
 //! The parser with pymavlink's behaviour: bytes in, frames, BAD_DATA and errors out, with the state that programs see.
-//!
-//! Good frames of known messages are taken off in runs, so that a caller can make their objects afterwards.
-
-mod run;
-
-pub use run::Run;
 
 use std::collections::TryReserveError;
 
 use crate::frame::{
-    CHECKSUM_LEN, FrameBytes, FrameError, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED,
-    STX_V2,
+    CHECKSUM_LEN, FrameBytes, FrameError, HEADER_LEN_V1, HEADER_LEN_V2, Header, STX_V2,
 };
 use crate::registry::{Entry, Registry};
 use crate::scan::{Found, Resync, Scanner};
@@ -19,8 +12,6 @@ use crate::scan::{Found, Resync, Scanner};
 const KEEP_CAPACITY: usize = 64 * 1024;
 /// `bytes_needed` of a fresh parser: the shortest MAVLink 1 frame.
 const SHORTEST_FRAME: usize = 8;
-/// Frames of a run, at most: those of 64 KiB of telemetry.
-const RUN: usize = 2048;
 
 /// What was received and not parsed yet.
 pub struct Parser {
@@ -37,8 +28,6 @@ pub struct Parser {
     pub expected_length: usize,
     /// pymavlink's attribute of this name: the byte before was no start of a frame.
     pub have_prefix_error: bool,
-    /// Memory for the next run.
-    spare: Run,
 }
 
 /// One step of the parser, with the bytes it took.
@@ -86,7 +75,6 @@ impl Parser {
             noise_left: 0,
             expected_length: SHORTEST_FRAME,
             have_prefix_error: false,
-            spare: Run::default(),
         }
     }
 
@@ -218,87 +206,19 @@ impl Parser {
         self.expected_length = header_len(stx) + CHECKSUM_LEN;
     }
 
-    /// Moves the good frames of known messages at the front into `run`. Where there were fewer than fit, says what
-    /// follows them and takes that as well.
-    pub fn take_run(&mut self, registry: &Registry, robust: bool, run: &mut Run) -> Option<Step> {
-        run.clear();
-        let unread = &self.buffer[self.parsed..];
-        let mut rest = unread;
-        let mut stopped = None;
-        while run.frames.len() < RUN {
-            if let Some((len, entry)) = self.scanner.next_good(rest, registry) {
-                run.frames.push((entry.index, len as u16));
-                run.signed += u64::from(rest[0] == STX_V2 && rest[2] & IFLAG_SIGNED != 0);
-                rest = &rest[len..];
-                continue;
-            }
-            stopped = Some(match rest {
-                [] => Found::Incomplete { needed: 1 },
-                // Noise starts no good frame, so what is left of it stands in front of the run.
-                _ if self.noise_left > 0 => Found::Noise { len: self.noise_left },
-                _ => self.scanner.next(rest, registry),
-            });
-            break;
-        }
-        if let Some(&(_, last)) = run.frames.last() {
-            let taken = unread.len() - rest.len();
-            self.expected_length = header_len(unread[taken - usize::from(last)]) + CHECKSUM_LEN;
-            self.have_prefix_error = false;
-            self.hand_over(taken, run);
-        }
-        Some(self.take_found(stopped?, robust))
-    }
-
-    /// Gives the next `taken` bytes to `run`, together with the buffer if that is the shorter copy.
-    fn hand_over(&mut self, taken: usize, run: &mut Run) {
-        let end = self.parsed + taken;
-        if self.buffer.len() - end <= taken {
-            run.start = self.parsed;
-            std::mem::swap(&mut run.bytes, &mut self.buffer);
-            self.buffer.extend_from_slice(&run.bytes[end..]);
-            self.parsed = 0;
-        } else {
-            run.bytes.extend_from_slice(&self.buffer[self.parsed..end]);
-            self.parsed = end;
-        }
-    }
-
-    /// Takes back the frames of `run` behind the first `delivered`, and the `step` that was taken after them.
-    pub fn put_back(&mut self, run: &Run, delivered: usize, step: Option<Step>) {
-        let mut bytes = Vec::new();
-        for (_, len, stream) in run.iter().skip(delivered) {
-            bytes.extend_from_slice(&stream[..len]);
-        }
-        match step {
-            Some(Step::Frame { bytes: taken, .. } | Step::Bad { bytes: taken, .. }) => {
-                bytes.extend_from_slice(&taken);
-            }
-            Some(Step::BadPrefix(Some(byte))) => {
-                bytes.push(byte);
-                self.have_prefix_error = false;
-            }
-            Some(Step::BadPrefix(None) | Step::Nothing) | None => {}
-        }
-        bytes.extend_from_slice(self.unread());
-        self.replace(&bytes);
-    }
-
-    /// An empty run, with the memory of an earlier one.
-    pub fn new_run(&mut self) -> Run {
-        std::mem::take(&mut self.spare)
-    }
-
-    /// Takes back the memory of a run: its bytes for the next input, the rest for the next run.
-    pub fn recycle(&mut self, mut run: Run) {
-        run.clear();
-        if run.bytes.capacity() <= KEEP_CAPACITY {
-            if run.bytes.capacity() > self.buffer.capacity() {
-                run.bytes.extend_from_slice(self.unread());
-                std::mem::swap(&mut run.bytes, &mut self.buffer);
-                self.parsed = 0;
-            }
-            self.spare.frames = run.frames;
-        }
+    /// Takes the good frame of a known message off the front, if that is what stands there: the index of its message, its
+    /// length, and the bytes from its start on.
+    #[inline]
+    pub fn take_good(&mut self, registry: &Registry) -> Option<(u16, usize, &[u8])> {
+        // Noise starts no good frame.
+        let unread = self.buffer.get(self.parsed..).filter(|_| self.noise_left == 0)?;
+        let (len, entry) = self.scanner.next_good(unread, registry)?;
+        self.parsed += len;
+        self.awaited = 1;
+        let stream = &self.buffer[self.parsed - len..];
+        self.have_prefix_error = false;
+        self.expected_length = header_len(stream[0]) + CHECKSUM_LEN;
+        Some((entry.index, len, stream))
     }
 
     /// The next thing in the unread bytes.

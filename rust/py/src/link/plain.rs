@@ -76,7 +76,7 @@ impl<'py> Plain<'py> {
         if header.is_signed()
             && let Some(signing) = &parser.signing
         {
-            signing.get().note_signed(1);
+            signing.get().note_signed();
         }
         Some(plain)
     }

@@ -82,22 +82,8 @@ pub(crate) fn pooled<'py>(
     }
 }
 
-/// A message around the first `len` bytes of `stream`, a frame of the definition `info`.
-#[inline]
-pub(crate) fn pooled_frame<'py>(
-    class: &Bound<'py, PyType>,
-    info: &'static Info,
-    stream: &[u8],
-    len: usize,
-) -> PyResult<Bound<'py, Message>> {
-    match reused_frame(class, info, stream, len, |message| message) {
-        Some(message) => Ok(message),
-        None => pooled(class, around(info, &stream[..len])),
-    }
-}
-
-/// The same, finished by `finish`, if an object is waiting and the frame fits into it. Nothing of Python's is called, so
-/// that locks may be held.
+/// A message around the first `len` bytes of `stream`, a frame of the definition `info`, finished by `finish`; `None` where no
+/// object is waiting or the frame does not fit into it. Nothing of Python's is called, so that locks may be held.
 #[inline]
 pub(crate) fn reused_frame<'py>(
     class: &Bound<'py, PyType>,

@@ -358,11 +358,8 @@ impl MAVLink {
         if !parse::feed(slf, c)? {
             return Ok(None);
         }
-        let this = slf.get();
-        let session = Session::new(slf);
-        let step = this.parser().step(&this.dialect.get().registry, session.robust);
-        let message = session.take_step(step);
-        this.parser().tidy();
+        let message = Session::new(slf).next();
+        slf.get().parser().tidy();
         message
     }
 

@@ -2,15 +2,14 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use mavwire_core::frame::{FrameError, FrameRef};
-use mavwire_core::parser::{Run, Step};
+use mavwire_core::frame::{FrameError, FrameRef, IFLAG_SIGNED, STX_V2};
+use mavwire_core::parser::Step;
 use mavwire_core::registry::Entry;
 use pyo3::exceptions::{PyIndexError, PyRuntimeError};
-use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
-use crate::message::create::pooled_frame;
+use crate::message::create::reused_frame;
 use crate::message::descriptors::no_attribute;
 use crate::message::meta::BAD_PREFIX;
 use crate::message::object::{Message, flags, instance_dict};
@@ -25,13 +24,8 @@ use mavwire_core::frame::FrameBytes;
 
 /// Takes the input; true if a message may be complete now.
 pub(super) fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let converted;
-    let bytes = if let Ok(bytes) = data.cast_exact::<PyBytes>() {
-        bytes.as_bytes()
-    } else {
-        converted = bytes_like(data)?;
-        converted.cast::<PyBytes>()?.as_bytes()
-    };
+    let data = bytes_like(data)?;
+    let bytes = data.cast::<PyBytes>()?.as_bytes();
     let this = mav.get();
     let mut parser = this.parser();
     // A program may hand over more than there is memory for twice.
@@ -62,7 +56,7 @@ pub(crate) fn obey_ignore_checksum(mav: &Bound<'_, MAVLink>) -> PyResult<()> {
 pub(crate) struct Session<'a, 'py> {
     mav: &'a Bound<'py, MAVLink>,
     signing: Option<Bound<'py, Signing>>,
-    pub(super) robust: bool,
+    robust: bool,
 }
 
 /// `mav.parse_buffer(s)`
@@ -84,30 +78,12 @@ pub(crate) fn parse_buffer<'py>(
     if !feed(mav, s)? {
         return Ok(None);
     }
-    let mut run = mav.get().parser().new_run();
-    let messages = Session::new(mav).collect(&mut run);
-    let mut parser = mav.get().parser();
-    parser.recycle(run);
-    parser.tidy();
-    messages
-}
-
-/// A list of `len` objects.
-fn list_of<'py>(
-    py: Python<'py>,
-    len: usize,
-    mut next: impl FnMut() -> PyResult<Bound<'py, Message>>,
-) -> PyResult<Bound<'py, PyList>> {
-    // SAFETY: a new list has empty places, each of which gets a reference of its own. A list that stays incomplete because
-    // of an error is dropped.
-    unsafe {
-        let list = ffi::PyList_New(len as ffi::Py_ssize_t);
-        let list = Bound::from_owned_ptr_or_err(py, list)?.cast_into_unchecked::<PyList>();
-        for i in 0..len {
-            ffi::PyList_SetItem(list.as_ptr(), i as ffi::Py_ssize_t, next()?.into_ptr());
-        }
-        Ok(list)
+    let (session, messages) = (Session::new(mav), PyList::empty(py));
+    while let Some(message) = session.next()? {
+        messages.append(message)?;
     }
+    mav.get().parser().tidy();
+    Ok((!messages.is_empty()).then_some(messages))
 }
 
 impl<'a, 'py> Session<'a, 'py> {
@@ -116,87 +92,48 @@ impl<'a, 'py> Session<'a, 'py> {
         Self { mav, signing: this.signing(mav.py()), robust: this.robust_parsing.load(Relaxed) }
     }
 
-    /// All messages in what was fed; `None` if there are none.
-    fn collect(&self, run: &mut Run) -> PyResult<Option<Bound<'py, PyList>>> {
+    /// The next message in what was fed.
+    #[inline]
+    pub(super) fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
+        if let Some(message) = self.next_plain()? {
+            return Ok(Some(message));
+        }
         let this = self.mav.get();
-        let mut messages = None;
-        loop {
-            let step = if self.may_batch() {
-                let step = this.parser().take_run(&this.dialect.get().registry, self.robust, run);
-                let mut delivered = 0;
-                let outcome = self.deliver(run, &mut messages, &mut delivered);
-                let refused = usize::from(outcome.is_err());
-                let received = delivered.saturating_sub(refused) as u64;
-                shared::add(&this.counters.packets_received, received);
-                if let Err(error) = outcome {
-                    this.parser().put_back(run, delivered, step);
-                    return Err(error);
-                }
-                step
-            } else {
-                Some(this.parser().step(&this.dialect.get().registry, self.robust))
-            };
-            let Some(step) = step else { continue };
-            let Some(message) = self.take_step(step)? else { return Ok(messages) };
-            messages.get_or_insert_with(|| PyList::empty(self.mav.py())).append(message)?;
-        }
+        let step = this.parser().step(&this.dialect.get().registry, self.robust);
+        self.take_step(step)
     }
 
-    /// Makes the messages of a run and counts them, one that is refused with an exception included.
-    fn deliver(
-        &self,
-        run: &Run,
-        messages: &mut Option<Bound<'py, PyList>>,
-        delivered: &mut usize,
-    ) -> PyResult<()> {
-        if run.is_empty() {
-            return Ok(());
-        }
-        let py = self.mav.py();
+    /// The good frame of a known message at the front, where neither a signature nor code of the program decides about it.
+    #[inline]
+    fn next_plain(&self) -> PyResult<Option<Bound<'py, Message>>> {
+        let (py, this) = (self.mav.py(), self.mav.get());
         let signing = self.signing.as_ref().map(Bound::get);
-        let verifier = signing.filter(|signing| signing.has_key());
-        if let (Some(signing), None) = (signing, verifier) {
-            signing.note_signed(run.signed);
+        if this.shows_messages() || signing.is_some_and(Signing::has_key) {
+            return Ok(None);
         }
-        let overridden = self.mav.get().is_overridden(overridden::RECEIVE);
-        let dialect = self.mav.get().dialect.get();
-        let mut frames = run.iter();
-        let mut next = || {
-            let (index, len, stream) = frames.next().ok_or_else(|| PyRuntimeError::new_err(()))?;
-            *delivered += 1;
-            if overridden {
-                return decode_by_method(self.mav, &stream[..len], self.robust);
-            }
-            let acceptance = match verifier {
-                Some(verifier) => verifier.accept(self.mav, &stream[..len], true)?,
-                None => Acceptance::Unchecked,
-            };
-            if acceptance == Acceptance::Rejected {
-                return self.rejected(&stream[..len]);
-            }
-            let class = dialect.class(py, index)?;
-            let message = pooled_frame(class.class.bind(py), class.info, stream, len)?;
-            if acceptance == Acceptance::Verified {
-                message.get().set(flags::SIGNED);
-            }
-            Ok(message)
+        let dialect = this.dialect.get();
+        let mut parser = this.parser();
+        let Some((index, len, stream)) = parser.take_good(&dialect.registry) else {
+            return Ok(None);
         };
-        match messages {
-            Some(messages) => (0..run.len()).try_for_each(|_| messages.append(next()?)),
-            None => {
-                *messages = Some(list_of(self.mav.py(), run.len(), next)?);
-                Ok(())
-            }
+        if let Some(signing) = signing
+            && matches!(stream, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0)
+        {
+            signing.note_signed();
         }
-    }
-
-    /// Frames may be scanned ahead of making their objects: nobody is called in between, and nothing can be refused in
-    /// a way that leaves the frames behind it in the buffer.
-    fn may_batch(&self) -> bool {
-        let refuses =
-            |signing: &Signing| signing.has_key() && !self.robust || signing.asks(self.mav.py());
-        !self.signing.as_ref().is_some_and(|signing| refuses(signing.get()))
-            && !self.mav.get().callback.is_set()
+        let reused = dialect.known_class(index).and_then(|known| {
+            reused_frame(known.class.bind(py), known.info, stream, len, |message| message)
+        });
+        let message = match reused {
+            Some(message) => message,
+            None => {
+                let frame = FrameBytes::from(&stream[..len]);
+                drop(parser); // what is called may run code of the program
+                dialect.message(py, Some(index), frame, |message| message)?
+            }
+        };
+        shared::add(&this.counters.packets_received, 1);
+        Ok(Some(message))
     }
 
     /// What the parser found as a message, with counter and callback.
