@@ -6,7 +6,6 @@ mod mavlink_methods;
 mod message_methods;
 pub(crate) mod pack;
 pub(crate) mod parse;
-pub(crate) mod parser;
 pub(crate) mod peer_check;
 pub(crate) mod send;
 pub(crate) mod sender;

@@ -184,7 +184,8 @@ impl<'a, 'py> Dump<'a, 'py> {
         };
         state.percent = reader.percent();
         let (mut parser, registry) = (mav.get().parser(), &self.types.registry);
-        let has_own_rules = parser.scanner.ignore_checksum || parser.checks_signatures();
+        let checks = mav.get().checks_signatures(self.log.py());
+        let has_own_rules = parser.scanner.ignore_checksum || checks;
         if !has_own_rules
             && let Some(record) = reader.peek(&parser, registry)?
             && let Some(header) = Header::parse(record.stream)

@@ -170,10 +170,10 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
         };
     };
     let class = native.dialect.get().known_class(entry.index);
-    let plain = class.filter(|_| makes_plain_messages(native, &parser)).and_then(|class| {
+    let plain = class.filter(|_| makes_plain_messages(py, native)).and_then(|class| {
         let frame = PlainFrame { header, info: class.info, payload: payload_of(&bytes) };
         let known = (&mut state.systems, &mut state.reception);
-        Plain::account(py, known, (native, &parser), &frame, has_hooks, now)
+        Plain::account(py, known, native, &frame, has_hooks, now)
     });
     let Some(plain) = plain else {
         return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) }, source.sender());
@@ -213,7 +213,7 @@ fn deliver_other<'py>(
     let Some(message) = Session::new(mav).take_step(step)? else { return Ok(None) };
     // With a key, what a callback let pass does not say who is there.
     let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown)
-        && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
+        && (message.get().has(flags::SIGNED) || !mav.get().checks_signatures(slf.py()));
     let news = slf.get().source().news(from, is_good, replaced::now(slf.py())?);
     if let Some(from) = news {
         let Message { info, frame, .. } = message.get();

@@ -55,7 +55,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     let mut parser = native.parser();
     // While wrong checksums are ignored the module is asked for each record whether that holds still; else only for
     // those that are not good.
-    if parser.scanner.ignore_checksum || !makes_plain_messages(native, &parser) {
+    if parser.scanner.ignore_checksum || !makes_plain_messages(py, native) {
         return Ok(None);
     }
     let percent = reader.percent();
@@ -70,7 +70,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     let Some(frame) = PlainFrame::parse(record.stream, class.info) else { return Ok(None) };
     state.reception.record_time = Some(record.time);
     let known = (&mut state.systems, &mut state.reception);
-    let plain = Plain::account(py, known, (native, &parser), &frame, has_hooks, record.time);
+    let plain = Plain::account(py, known, native, &frame, has_hooks, record.time);
     let Some(plain) = plain else { return Ok(None) };
 
     let (info, class) = (class.info, class.class.bind(py));

@@ -12,7 +12,6 @@ use crate::link::tracking;
 use crate::message::info::Info;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::protocol::parser::LinkParser;
 use crate::sync::shared;
 
 /// A frame with a good checksum, of a message that has a class.
@@ -45,8 +44,8 @@ pub(crate) struct Plain<'py> {
 }
 
 /// Whether the messages that `mav` makes can be plain. Signatures, callbacks and replaced methods need the other way.
-pub(crate) fn makes_plain_messages(mav: &MAVLink, parser: &LinkParser) -> bool {
-    !parser.checks_signatures() && !mav.shows_messages()
+pub(crate) fn makes_plain_messages(py: Python<'_>, mav: &MAVLink) -> bool {
+    !mav.checks_signatures(py) && !mav.shows_messages()
 }
 
 impl<'py> Plain<'py> {
@@ -56,7 +55,7 @@ impl<'py> Plain<'py> {
     pub(crate) fn account(
         py: Python<'py>,
         (systems, reception): (&mut Systems, &mut Reception),
-        (mav, parser): (&MAVLink, &LinkParser),
+        mav: &MAVLink,
         frame: &PlainFrame<'_>,
         has_hooks: bool,
         now: f64,
@@ -74,7 +73,7 @@ impl<'py> Plain<'py> {
         };
         shared::add(&mav.counters.packets_received, 1);
         if header.is_signed()
-            && let Some(signing) = &parser.signing
+            && let Some(signing) = mav.signing(py)
         {
             signing.get().note_signed();
         }

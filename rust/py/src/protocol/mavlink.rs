@@ -3,11 +3,11 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU64, Ordering::Relaxed};
 
+use mavwire_core::parser::Parser;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::dialect::registry::Dialect;
-use crate::protocol::parser::LinkParser;
 use crate::protocol::sender::{Sender, header_byte};
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
@@ -101,7 +101,8 @@ pub(crate) struct MAVLink {
     pub(super) src_component: AtomicI64,
     pub(crate) robust_parsing: AtomicBool,
     pub(crate) counters: Counters,
-    pub(super) parser: Lock<LinkParser>,
+    pub(super) parser: Lock<Parser>,
+    pub(super) signing: Slot<Signing>,
     pub(crate) file: Slot,
     pub(crate) callback: Callback,
     pub(crate) send_callback: Callback,
@@ -139,7 +140,7 @@ pub(crate) mod overridden {
 
 impl MAVLink {
     #[inline]
-    pub(crate) fn parser(&self) -> Guard<'_, LinkParser> {
+    pub(crate) fn parser(&self) -> Guard<'_, Parser> {
         // SAFETY: links are Python objects, whose methods run attached.
         self.parser.lock(unsafe { Python::assume_attached() })
     }
@@ -154,7 +155,7 @@ impl MAVLink {
     }
 
     /// Forgets the bytes of a frame whose rest will not come: as if they had never been received.
-    pub(crate) fn drop_unread(&self, parser: &mut LinkParser) {
+    pub(crate) fn drop_unread(&self, parser: &mut Parser) {
         if !parser.unread().is_empty() {
             let dropped = parser.clear() as u64;
             // The user may have set it back in the meantime.
@@ -168,10 +169,15 @@ impl MAVLink {
     }
 
     pub(crate) fn signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
-        self.parser().signing.as_ref().map(|signing| signing.bind(py).clone())
+        self.signing.get(py)
     }
 
-    /// Somebody wants to see each message: a callback, or a subclass's own `decode`.
+    /// Whether frames have to be shown to signing.
+    pub(crate) fn checks_signatures(&self, py: Python<'_>) -> bool {
+        self.signing(py).is_some_and(|signing| signing.get().has_key())
+    }
+
+    /// Whether each message is shown: to a callback, or to a subclass's own `decode`.
     pub(crate) fn shows_messages(&self) -> bool {
         self.callback.is_set() || self.is_overridden(overridden::RECEIVE)
     }

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, Ordering::Relaxed};
 
+use mavwire_core::parser::Parser;
 use mavwire_core::scan::Resync;
 use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -13,7 +14,6 @@ use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
 use crate::protocol::mavlink::{Callback, Counters, MAVLink, overridden};
 use crate::protocol::parse::{self, Session};
-use crate::protocol::parser::LinkParser;
 use crate::protocol::peer_check;
 use crate::protocol::send;
 use crate::protocol::sending::Sending;
@@ -64,7 +64,8 @@ impl MAVLink {
             src_component: AtomicI64::new(0),
             robust_parsing: AtomicBool::new(false),
             counters: Counters::default(),
-            parser: Lock::new(LinkParser::new()),
+            parser: Lock::new(Parser::new()),
+            signing: Slot::new(),
             file: Slot::new(),
             callback: Callback::new("callback_args", "callback_kwargs"),
             send_callback: Callback::new("send_callback_args", "send_callback_kwargs"),
@@ -165,12 +166,11 @@ impl MAVLink {
     /// Signing state.
     #[getter(signing)]
     fn get_signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
-        self.parser().signing.as_ref().map(|signing| signing.bind(py).clone())
+        self.signing(py)
     }
     #[setter(signing)]
     fn set_signing(&self, value: Py<Signing>) {
-        let old = self.parser().signing.replace(value);
-        drop(old);
+        self.signing.set(Some(value));
     }
 
     /// `callback(message, *callback_args, **callback_kwargs)` is called for every message received.
@@ -397,18 +397,14 @@ impl MAVLink {
         visit.call(&self.dialect)?;
         visit.call(self.predecessor.get())?;
         self.file.traverse(visit)?;
-        // SAFETY: the garbage collector runs in an attached thread.
-        if let Some(parser) = unsafe { self.parser.try_lock() } {
-            visit.call(parser.signing.as_ref())?;
-        }
+        self.signing.traverse(visit)?;
         self.callback.function.traverse(visit)?;
         self.send_callback.function.traverse(visit)
     }
 
     fn __clear__(&self) {
         self.file.set(None);
-        let signing = self.parser().signing.take();
-        drop(signing);
+        self.signing.set(None);
         self.callback.set(None);
         self.send_callback.set(None);
     }
