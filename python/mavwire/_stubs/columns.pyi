@@ -40,6 +40,11 @@ _Log: TypeAlias = (
 """A file; the bytes of one from the first to one that is not meant any more; the same of a telemetry
 log, and whether its records have time stamps; the bytes of a log."""
 
+_Progress: TypeAlias = tuple[int, int, str | None, dict[tuple[int, int] | None, int]]
+"""Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage
+of a compressed file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under
+None those that are not listed."""
+
 @final
 class LogColumns:
     """One pass over a telemetry log or raw stream, an iterator of tables."""
@@ -49,23 +54,7 @@ class LogColumns:
     def __next__(self) -> list[tuple[str, RecordBatches]]:
         """What is ready after another block of the log: message names and tables, perhaps none."""
 
-    @property
-    def position(self) -> int:
-        """Bytes of the log, decompressed, that are dealt with."""
-
-    @property
-    def bad_bytes(self) -> int:
-        """How many of them belong to no record."""
-
-    @property
-    def unknown(self) -> dict[tuple[int, int] | None, int]:
-        """Messages so far that the dialect does not define: `{(message id, CRC_EXTRA): count}`, under None
-        those that are not listed. Empty where types are chosen.
-        """
-
-    @property
-    def damage(self) -> str | None:
-        """What is wrong with the compressed file."""
+    def progress(self) -> _Progress: ...
 
 @final
 class RecordBatches:
@@ -178,12 +167,7 @@ class Converter:
     def abandon(self) -> None:
         """Removes what was written and not committed."""
 
-    def progress(self) -> tuple[int, int, str | None]:
-        """Bytes dealt with, bytes that belong to no record, what is wrong with a compressed file."""
-
-    @property
-    def unknown(self) -> dict[tuple[int, int] | None, int]:
-        """The same as of `LogColumns`."""
+    def progress(self) -> _Progress: ...
 
 @final
 class DataflashTables:

@@ -231,9 +231,9 @@ class Job:
                 position = converter.progress()[0]
                 if self.progress is not None and row.size:
                     self.progress(row.path, min(100.0, 100.0 * position / row.size))
-            position, row.bad_bytes, row.error = converter.progress()
+            position, row.bad_bytes, row.error, unknown = converter.progress()
             check_run(source, row.path, position, row.bad_bytes, row.error)
-            row.unknown = named(converter.unknown)
+            row.unknown = named(unknown)
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

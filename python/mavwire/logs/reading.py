@@ -177,8 +177,9 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
     first one. Warn of messages that the dialect does not define.
     """
-    check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
-    warn_unknown(run.unknown, path)
+    position, bad_bytes, damage, unknown = run.progress()
+    check_run(path if source is None else source, path, position, bad_bytes, damage)
+    warn_unknown(unknown, path)
 
 
 @takes(Query, "systems", "fields", "start", "end")

@@ -227,7 +227,7 @@ class TelemetryLog(Log):
             self.path, self.dialect.MAVLink(None)._dialect, Selection(batch_rows=0)
         )
         # A second look sees where a short one ends.
-        return any(any(batch) for batch in islice(batches, 2)), batches.damage
+        return any(any(batch) for batch in islice(batches, 2)), batches.progress()[2]
 
 
 def _reopened(path: str, dialect: tuple[str, bool], resync: str) -> TelemetryLog:

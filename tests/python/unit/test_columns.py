@@ -192,8 +192,7 @@ class Halves:
 
     def __init__(self, *arguments):
         self.found = LogColumns(*arguments)
-        self.position = self.bad_bytes = 0
-        self.damage, self.unknown = None, {}
+        self.progress = lambda: (0, 0, None, {})
 
     def __iter__(self):
         for tables in self.found:

@@ -206,43 +206,34 @@ impl LogColumns {
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 
-    /// Bytes of the log, decompressed, that are dealt with.
-    #[getter]
-    fn position(&self, py: Python<'_>) -> u64 {
-        py.detach(|| self.with(|reader| reader.position()))
-    }
-
-    /// How many of them belong to no record.
-    #[getter]
-    fn bad_bytes(&self, py: Python<'_>) -> u64 {
-        py.detach(|| self.with(|reader| reader.bad_bytes()))
-    }
-
-    /// `{(message id, CRC_EXTRA): messages}` that the dialect does not know; under `None` those that are not listed.
-    #[getter]
-    fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
-        unknown_of_log(&py.detach(|| self.with(|reader| reader.unknown())))
-    }
-
-    /// What is wrong with the compressed file; `None` for nothing.
-    #[getter]
-    fn damage(&self, py: Python<'_>) -> Option<String> {
-        py.detach(|| self.with(|reader| reader.damage().map(str::to_owned)))
+    /// See [`Progress`].
+    fn progress(&self, py: Python<'_>) -> Progress {
+        py.detach(|| self.with(|reader| progress_of(reader)))
     }
 }
 
-/// Messages that the dialect does not know, by id and `crc_extra`.
+/// Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage of a compressed
+/// file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under `None` those that are not listed.
+pub(crate) type Progress = (u64, u64, Option<String>, UnknownById);
+pub(crate) type UnknownById = BTreeMap<Option<(u32, u8)>, u64>;
+
+pub(crate) fn progress_of(reader: &dyn Decode) -> Progress {
+    let (damage, unknown) = (reader.damage().map(str::to_owned), unknown_of_log(&reader.unknown()));
+    (reader.position(), reader.bad_bytes(), damage, unknown)
+}
+
+/// The counts of a bridge or a log.
 pub(crate) fn unknown_counts<C>(
     counts: &UnknownCounts<C>,
     messages: impl Fn(&C) -> u64,
-) -> BTreeMap<Option<(u32, u8)>, u64> {
+) -> UnknownById {
     let listed = counts.listed.iter();
     let listed = listed.map(|(kind, one)| (Some((kind.msgid, kind.crc_extra)), messages(one)));
     listed.chain((counts.unlisted > 0).then_some((None, counts.unlisted))).collect()
 }
 
 /// The same of a log.
-pub(crate) fn unknown_of_log(counts: &unknown::UnknownCounts) -> BTreeMap<Option<(u32, u8)>, u64> {
+pub(crate) fn unknown_of_log(counts: &unknown::UnknownCounts) -> UnknownById {
     unknown_counts(counts, |count| count.messages)
 }
 

@@ -1,7 +1,6 @@
 //! `Converter`: the tables of a log into files without the interpreter; and `write_table` and `csv_safe`.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
@@ -18,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
 use crate::python::error::Result;
-use crate::tables::columns::{Query, bytes_of, unknown_of_log};
+use crate::tables::columns::{Progress, Query, bytes_of, progress_of};
 use crate::tables::convert_output::Output;
 use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
@@ -172,23 +171,11 @@ impl Converter {
         py.detach(|| self.with(|work| drop(work.take())));
     }
 
-    /// `{(message id, CRC_EXTRA): messages}` so far that the dialect does not know.
-    #[getter]
-    fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
-        let counts = |work: &mut Option<Work>| work.as_ref().map(|work| work.reader.unknown());
-        unknown_of_log(&py.detach(|| self.with(counts)).unwrap_or_default())
-    }
-
-    /// Bytes of the log dealt with, bytes that belong to no record, and what is wrong with the compressed file.
-    fn progress(&self, py: Python<'_>) -> (u64, u64, Option<String>) {
-        py.detach(|| {
-            self.with(|work| {
-                work.as_ref().map_or((0, 0, None), |Work { reader, .. }| {
-                    let damage = reader.damage().map(str::to_owned);
-                    (reader.position(), reader.bad_bytes(), damage)
-                })
-            })
-        })
+    /// The same as of `LogColumns`.
+    fn progress(&self, py: Python<'_>) -> Progress {
+        let progress =
+            |work: &mut Option<Work>| work.as_ref().map(|work| progress_of(&*work.reader));
+        py.detach(|| self.with(progress)).unwrap_or_default()
     }
 }
 
