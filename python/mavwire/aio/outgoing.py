@@ -87,9 +87,6 @@ def _act(act: Callable[..., None], *arguments: Any) -> None:
 class Outgoing:
     """The file that `mav` writes to. `failed` is called when the connection turns out to be gone."""
 
-    # For the native sender: what a signal handler raises may come behind a frame.
-    _raises_behind_frames = True
-
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,

@@ -32,8 +32,6 @@ class ChunkedLink(LiveLink, mavfile):
     port: Any
     # Closed by the program, for good.
     _closed = False
-    # For the native sender: a write that raises may have sent its frame.
-    _raises_behind_frames = True
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)

@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 from mavwire import mavutil
 from mavwire._native import Section
-from mavwire.aio.outgoing import Outgoing
 from mavwire.dialects.v20 import common
 from unit.link_tools import heartbeat
 
@@ -248,37 +247,6 @@ def test_a_signal_handler_may_wait_for_who_has_the_lock(make: Any, threads: Any)
     assert ended == [True]
 
 
-@pytest.mark.parametrize("waits_first", [True, False])
-def test_a_frame_that_others_passed_while_it_was_packed_is_packed_again(
-    waits_first: bool, threads: Any
-) -> None:
-    """It has a number that is used, or comes behind later ones, and is too old if it is signed."""
-    inside, go, packed, frames = threading.Event(), threading.Event(), threading.Event(), []
-
-    class Slow(common.MAVLink_heartbeat_message):  # type: ignore[misc]
-        def pack(self, *args: Any, **kw: Any) -> Any:
-            frame = None if waits_first else super().pack(*args, **kw)
-            inside.set()
-            assert go.wait(WAIT)
-            frame = frame or super().pack(*args, **kw)
-            packed.set()
-            return frame
-
-    class Device:
-        def write(self, frame: bytes) -> None:
-            frames.append(bytes(frame))
-            go.set()
-            assert packed.wait(WAIT)
-
-    mav = common.MAVLink(Device())
-    thread = threads(mav.send, Slow(6, 8, 0, 0, 0, 3))
-    assert inside.wait(WAIT)
-    send(mav)  # passes after a while
-    thread.join(WAIT)
-    assert numbers(frames) == [1, 2]
-    assert (mav.seq, mav.total_packets_sent) == (3, 2)
-
-
 def test_writes_are_kept_apart_again_after_one_that_stood_still(threads: Any) -> None:
     device = Held()
     mav = common.MAVLink(device)
@@ -338,28 +306,6 @@ def test_a_frame_that_is_sent_in_the_middle_of_another_one_has_the_next_number()
         send(mav)
     assert numbers(device.frames) == [n % 256 for n in range(300)]
     assert (mav.seq, mav.total_packets_sent) == (300 % 256, 300)
-
-
-@pytest.mark.parametrize(("to", "seq"), [("link", 1), ("asyncio", 1), ("device", 0)])
-def test_a_number_is_used_again_only_where_no_frame_left(
-    to: str, seq: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A link raises what a signal handler does, perhaps behind the frame; a device that fails took nothing."""
-
-    def write(*_: object) -> None:
-        raise TimeoutError("by a signal handler")
-
-    link = mavutil.mavlink_connection("udpout:127.0.0.1:14550")
-    monkeypatch.setattr(type(link), "write", write)
-    if to == "asyncio":
-        file = type("Sender", (Outgoing,), {"write": write})
-        link.mav.file = file.__new__(file)
-    elif to == "device":
-        link.mav.file = type("Device", (), {"write": write})()
-    with pytest.raises(TimeoutError):
-        send(link.mav)
-    assert (link.mav.seq, link.mav.total_packets_sent) == (seq, 0)
-    link.close()
 
 
 def test_the_switch_to_mavlink_2_during_a_send_uses_no_number_twice(threads: Any) -> None:

@@ -11,66 +11,28 @@ use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::python::calling::Calling;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
-use crate::sync::thread_lock::ThreadGuard;
 
-/// Writes the frame that `pack` makes, and its length says, before other threads write theirs.
+/// Writes the frame that `pack` makes, of the length it says, before other threads write theirs.
 ///
-/// Where somebody passed meanwhile, in a `pack` or a timestamp store of the program's own, the frame may have a number that
-/// is used, or a timestamp that is too old: it is made again, once, since that may take as long.
+/// A thread that holds the lock for a second may be waiting for this one, as the program's own code may run in it. This one
+/// goes past, then.
 #[inline]
 pub(super) fn in_turn<'py>(
     mav: &Bound<'py, MAVLink>,
-    pack: impl Fn() -> PyResult<(Bound<'py, PyAny>, usize)>,
+    pack: impl FnOnce() -> PyResult<(Bound<'py, PyAny>, usize)>,
 ) -> PyResult<()> {
-    let mut is_again = false;
-    loop {
-        let guard = begin(mav)?;
-        let (frame, len) = pack()?;
-        if is_again || guard.is_held() {
-            return write(mav, &frame, len, guard);
-        }
-        is_again = true;
-    }
-}
-
-/// Waits until no other thread sends. One that is at the same frame for a second may be waiting for what this thread has, as
-/// what it is written to may be the program's own, and is gone past.
-fn begin<'a>(mav: &'a Bound<'_, MAVLink>) -> PyResult<ThreadGuard<'a>> {
-    let sending = mav.get().sending();
-    let guard = sending.lock.lock(mav.py())?;
+    let (py, sending) = (mav.py(), mav.get().sending());
+    let guard = sending.lock.lock(py)?;
     if guard.is_beside() {
         sending.advance(sending.seq()); // the other frame has this number
     }
-    Ok(guard)
-}
-
-/// Writes a frame of `len` bytes, then advances sequence number and counters.
-fn write(
-    mav: &Bound<'_, MAVLink>,
-    frame: &Bound<'_, PyAny>,
-    len: usize,
-    _guard: ThreadGuard<'_>,
-) -> PyResult<()> {
-    let (py, sending) = (mav.py(), mav.get().sending());
+    let (frame, len) = pack()?;
     let seq = sending.seq();
     let file = mav.get().file.get(py).unwrap_or_else(|| py.None().into_bound(py));
-    let written = file.invoke_method_with(intern!(py, "write"), frame);
-    // A number that is not used is one lost frame to receivers, one that is used twice is 255.
-    if written.is_ok() || may_have_sent(&file) {
-        sending.advance(seq);
-    }
-    written?;
+    file.invoke_method_with(intern!(py, "write"), &frame)?;
+    sending.advance(seq);
     sending.count(len);
     Ok(())
-}
-
-/// Whether `file` is a link, which raises what a signal handler does, also behind the frame.
-#[cold]
-fn may_have_sent(file: &Bound<'_, PyAny>) -> bool {
-    // Asked of the class: a file of the program's own may have any attribute.
-    file.get_type()
-        .getattr_opt(intern!(file.py(), "_raises_behind_frames"))
-        .is_ok_and(|flag| flag.is_some())
 }
 
 /// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the

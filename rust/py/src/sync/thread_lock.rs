@@ -91,12 +91,6 @@ pub(crate) struct ThreadGuard<'a> {
 }
 
 impl ThreadGuard<'_> {
-    /// No thread went past.
-    #[inline]
-    pub(crate) fn is_held(&self) -> bool {
-        self.lock.owner.number() == self.thread
-    }
-
     /// Another call is in the middle of what the lock guards: of this thread, or of one that was passed.
     pub(crate) fn is_beside(&self) -> bool {
         self.way != Way::Free
