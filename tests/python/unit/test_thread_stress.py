@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import itertools
 import os
 import pickle
 import socket
@@ -192,27 +191,6 @@ def test_a_message(make: Callable[[], Any]) -> None:
 def test_a_message_without_a_definition(frame: bytes) -> None:
     arguments = {**MESSAGE_ARGUMENTS, "format_attr": ("data",)}
     stress(Plan(lambda: parsed(frame), arguments, more=MESSAGE_ACTIONS))
-
-
-def test_what_is_packed_last_is_what_a_message_shows() -> None:
-    """One thread packs, others read: when it is done they see the last frame and none before it."""
-    for _ in range(300):
-        msg = parsed(heartbeat())
-        sender = mavlink.MAVLink(None, srcSystem=9, srcComponent=9)
-        readers = itertools.cycle(["_header", "_msgbuf", "_crc", "__dict__"])
-
-        def work(number: int, msg: Any = msg, sender: Any = sender, names: Any = readers) -> None:
-            if number == 0:
-                for sender.seq in range(5):
-                    frame = msg.pack(sender)
-                    assert frame[4:6] == bytes([sender.seq, 9])
-            else:
-                for _ in range(10):
-                    getattr(msg, next(names))
-
-        link_tools.at_once(work, 4)
-        assert (msg._header.seq, msg.get_seq(), msg.get_msgbuf()[4]) == (4, 4, 4)
-        assert vars(msg)["_header"].seq == vars(msg)["_msgbuf"][4] == 4
 
 
 # Parsers

@@ -17,15 +17,11 @@ use mavwire_core::frame::{FrameBytes, FrameRef};
 pub(crate) fn message_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
     let this = message.get();
     if !this.has(flags::MATERIALISED) {
-        let packed = this.packed(message.py());
         // Python code, and so other threads, may run here. They see the old dictionary until the new one is complete.
         let complete = complete_dict(message)?;
         if !this.has(flags::MATERIALISED) {
             complete.update(instance_dict(message)?.as_mapping())?;
             replace_dict(message, &complete)?;
-            if !this.is_packed_as(message.py(), packed.as_ref()) {
-                meta::refresh(message)?;
-            }
         }
     }
     instance_dict(message)

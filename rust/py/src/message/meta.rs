@@ -43,22 +43,17 @@ pub(crate) const BAD_PREFIX: &str = "Bad prefix";
 /// The value, or `None` if the attribute is not set. An object with an identity is stored, so that the next call gives the
 /// same one.
 pub(crate) fn read(message: &Bound<'_, Message>, name: &str) -> PyResult<Option<Py<PyAny>>> {
-    let py = message.py();
-    let this = message.get();
-    let packed = this.packed(py);
     let value = value(message, name)?;
     if value.is_none() || !matches!(name, "_header" | "_payload" | "_msgbuf" | "data") {
         return Ok(value);
     }
-    // The header is made by Python code. Another thread may have stored its own meanwhile, or packed another frame.
+    // The header is made by Python code. Another thread may have stored its own meanwhile.
     let attributes = instance_dict(message)?;
     if let Some(kept) = attributes.get_item(name)? {
         return Ok(Some(kept.unbind()));
     }
-    if this.is_packed_as(py, packed.as_ref()) {
-        attributes.set_item(name, &value)?;
-        Message::written(message, flags_for(name));
-    }
+    attributes.set_item(name, &value)?;
+    Message::written(message, flags_for(name));
     Ok(value)
 }
 
@@ -100,14 +95,9 @@ fn value(message: &Bound<'_, Message>, name: &str) -> PyResult<Option<Py<PyAny>>
 
 /// Updates a complete dictionary to the frame packed last. Values are replaced and never removed: other threads may read
 /// them meanwhile.
-pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
-    let py = message.py();
-    let packed = message.get().packed(py);
+fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
     for name in OF_FRAME {
         let value = value(message, name)?;
-        if !message.get().is_packed_as(py, packed.as_ref()) {
-            return Ok(()); // the thread that packed another frame updates it
-        }
         instance_dict(message)?.set_item(name, value)?;
     }
     Ok(())

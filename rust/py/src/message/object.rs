@@ -152,12 +152,6 @@ impl Message {
         self.extra.get(py)?.cast_into().ok()
     }
 
-    /// Whether `frame` is still the frame that `pack` made last, if it made one.
-    pub(crate) fn is_packed_as(&self, py: Python<'_>, frame: Option<&Bound<'_, PyBytes>>) -> bool {
-        let packed = self.packed(py);
-        packed.as_ref().map(Bound::as_ptr) == frame.map(Bound::as_ptr)
-    }
-
     /// A message out of a log, stamped before anybody sees it.
     #[inline]
     pub(crate) fn stamped(mut self, seconds: f64, link: u8) -> Self {
