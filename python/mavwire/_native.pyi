@@ -259,10 +259,6 @@ class MessageInfo:
         """Field names in wire order."""
 
     @property
-    def fieldtypes(self) -> list[str]:
-        """Base type of each field, XML order."""
-
-    @property
     def fielddisplays_by_name(self) -> dict[str, str]:
         """Field name to `display`."""
 
@@ -273,22 +269,6 @@ class MessageInfo:
     @property
     def fieldunits_by_name(self) -> dict[str, str]:
         """Field name to unit, without brackets."""
-
-    @property
-    def native_format(self) -> str:
-        """One `struct` letter per field in wire order, after `<`."""
-
-    @property
-    def orders(self) -> list[int]:
-        """`orders[i]` is the wire position of the i-th field in XML order."""
-
-    @property
-    def lengths(self) -> list[int]:
-        """Elements per field in wire order: 1 for scalars and text."""
-
-    @property
-    def array_lengths(self) -> list[int]:
-        """Array lengths in wire order: 0 for scalars."""
 
     @property
     def unpacker_format(self) -> str:
@@ -304,10 +284,6 @@ class MessageInfo:
 
         Each is `(name, type, array_length, is_extension, mavlink_version)`.
         """
-
-    @property
-    def char_fields(self) -> list[str]:
-        """Names of the fields that hold text."""
 
 @final
 class FieldGetter:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
+# From a format of `struct` to one letter per field.
+LETTERS = str.maketrans("s", "c", "0123456789")
 HEX = [f"{byte:x}" for byte in range(256)]
 # The type of a SETUP_SIGNING that the dialect lacks: its key is in no text either.
 KEYED_UNKNOWN = "UNKNOWN_256"
@@ -102,17 +104,29 @@ def _read_attribute(name: str) -> "Callable[[_native.MessageInfo], Any]":
     return lambda info: getattr(info, name)
 
 
+def _wire_rows(info: _native.MessageInfo) -> "list[tuple[Any, ...]]":
+    """What constructor parameters are made of, in wire order."""
+    rows = {row[0]: row for row in info.parameters}
+    return [rows[name] for name in info.ordered_fieldnames]
+
+
 SCHEMA_ATTRS: "dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]]" = {
     "fieldnames": ([], _read_attribute("fieldnames")),
     "ordered_fieldnames": ([], _read_attribute("ordered_fieldnames")),
-    "fieldtypes": ([], _read_attribute("fieldtypes")),
+    "fieldtypes": ([], lambda info: [kind for _, kind, *_ in info.parameters]),
     "fielddisplays_by_name": ({}, _read_attribute("fielddisplays_by_name")),
     "fieldenums_by_name": ({}, _read_attribute("fieldenums_by_name")),
     "fieldunits_by_name": ({}, _read_attribute("fieldunits_by_name")),
-    "native_format": (bytearray(), lambda info: bytearray(info.native_format.encode())),
-    "orders": ([], _read_attribute("orders")),
-    "lengths": ([], _read_attribute("lengths")),
-    "array_lengths": ([], _read_attribute("array_lengths")),
+    "native_format": (
+        bytearray(),
+        lambda info: bytearray(info.unpacker_format.translate(LETTERS), "ascii"),
+    ),
+    "orders": ([], lambda info: [*map(info.ordered_fieldnames.index, info.fieldnames)]),
+    "lengths": (
+        [],
+        lambda info: [1 if row[1] == "char" else row[2] or 1 for row in _wire_rows(info)],
+    ),
+    "array_lengths": ([], lambda info: [row[2] for row in _wire_rows(info)]),
     "unpacker": (struct.Struct(""), lambda info: struct.Struct(info.unpacker_format)),
     "instance_field": (None, lambda info: info.instance[0]),
     "instance_offset": (-1, lambda info: info.instance[1]),
@@ -244,8 +258,9 @@ def _message_class_maker(
             # A field may have the name of an attribute of the class, which then still has its own.
             own = SCHEMA_ATTRS[field][1](info) if field in SCHEMA_ATTRS else body.get(field)
             body[field] = _native.FieldGetter(info, field, class_value=own)
-        for field in info.char_fields:
-            body[f"_{field}_raw"] = _native.FieldGetter(info, field, raw=True)
+        for field, kind, *_ in info.parameters:
+            if kind == "char":
+                body[f"_{field}_raw"] = _native.FieldGetter(info, field, raw=True)
         made = _native.message_class(module, name, base, body)
         init.__set_name__(made, "__init__")
         return made

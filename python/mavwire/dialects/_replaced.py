@@ -112,9 +112,8 @@ def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) ->
 
 def _as_class(cls: Callable[..., Any], message: Any) -> Any:
     """A message of the program's class with the fields, header and frame of `message`."""
-    texts = type(message)._info.char_fields
-    names = (f"_{name}_raw" if name in texts else name for name in message.fieldnames)
-    made = cls(*(getattr(message, name) for name in names))
+    names = ((f"_{name}_raw", name) for name in message.fieldnames)
+    made = cls(*(getattr(message, raw if hasattr(message, raw) else name) for raw, name in names))
     for name in _DECODED:
         setattr(made, name, getattr(message, name))
     return made

@@ -169,10 +169,6 @@ impl MessageInfo {
         }
         Ok(dict)
     }
-
-    fn in_wire_order(&self) -> impl Iterator<Item = &Field> {
-        self.info.definition.wire_fields().map(|(_, field)| field)
-    }
 }
 
 #[pymethods]
@@ -216,13 +212,7 @@ impl MessageInfo {
     /// Field names in wire order.
     #[getter]
     fn ordered_fieldnames(&self) -> Vec<&str> {
-        self.in_wire_order().map(|f| f.name.as_str()).collect()
-    }
-
-    /// Base type of each field, XML order.
-    #[getter]
-    fn fieldtypes(&self) -> Vec<&'static str> {
-        self.info.definition.fields.iter().map(|f| f.field_type.name()).collect()
+        self.info.definition.wire_fields().map(|(_, field)| field.name.as_str()).collect()
     }
 
     /// Field name to `display`.
@@ -241,31 +231,6 @@ impl MessageInfo {
     #[getter]
     fn fieldunits_by_name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.by_field(py, |f| f.units.as_deref())
-    }
-
-    /// One `struct` letter per field in wire order, after `<`.
-    #[getter]
-    fn native_format(&self) -> String {
-        let letters = self.in_wire_order().map(|f| f.field_type.struct_code());
-        std::iter::once('<').chain(letters).collect()
-    }
-
-    /// `orders[i]` is the wire position of the i-th field in XML order.
-    #[getter]
-    fn orders(&self) -> Vec<u32> {
-        self.info.definition.fields.iter().map(|f| u32::from(f.wire_index)).collect()
-    }
-
-    /// Elements per field in wire order: 1 for scalars and text.
-    #[getter]
-    fn lengths(&self) -> Vec<usize> {
-        self.in_wire_order().map(|f| if f.is_char() { 1 } else { f.elements() }).collect()
-    }
-
-    /// Array lengths in wire order: 0 for scalars.
-    #[getter]
-    fn array_lengths(&self) -> Vec<u32> {
-        self.in_wire_order().map(|f| u32::from(f.array_length)).collect()
     }
 
     /// Format of Python's `struct` module, wire order.
@@ -298,22 +263,5 @@ impl MessageInfo {
                 .into_pyobject(py)
         });
         PyList::new(py, rows.collect::<PyResult<Vec<Bound<'py, PyTuple>>>>()?)
-    }
-
-    /// Names of the fields that hold text.
-    #[getter]
-    fn char_fields(&self) -> Vec<&str> {
-        let fields = self.info.definition.fields.iter();
-        fields.filter(|f| f.field_type == FieldType::Char).map(|f| f.name.as_str()).collect()
-    }
-
-    fn __repr__(&self) -> String {
-        let definition = &self.info.definition;
-        format!(
-            "<MessageInfo {} id={} fields={}>",
-            definition.name,
-            definition.id,
-            definition.fields.len()
-        )
     }
 }
