@@ -7,7 +7,6 @@ use mavwire_core::telemetry::Source;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::message::create::create;
 use crate::message::dict;
 use crate::message::info::Info;
 use crate::message::object::{Message, Origin, flags, instance_dict};
@@ -27,12 +26,12 @@ pub(crate) fn add_message(
     let known = messages.get_item(kind)?.map(|previous| instances_of(&previous)).transpose()?;
     let instances = known.flatten().unwrap_or_else(|| PyDict::new(py));
     instances.set_item(&instance, message)?;
-    let newest = shallow_copy(message)?;
+    let newest = dict::copy(message)?;
     generic_setattr(&newest, intern!(py, "_instances"), Some(&instances))?;
     Message::written(&newest, flags::DICT);
     messages.set_item(kind, newest)?;
     let key = format!("{}[{}]", kind.to_str()?, instance.str()?.to_str()?);
-    messages.set_item(key, shallow_copy(message)?)
+    messages.set_item(key, dict::copy(message)?)
 }
 
 /// Where a received message belongs among those of its type; `None` if only Python can tell.
@@ -87,11 +86,4 @@ fn instance_of<'py>(message: &Bound<'py, Message>) -> PyResult<Option<Bound<'py,
     }
     let value = message.getattr_opt(field.cast_into::<PyString>()?)?;
     Ok(value.filter(|value| !value.is_none()))
-}
-
-fn shallow_copy<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Message>> {
-    if message.get().has(flags::DICT) {
-        return dict::copy(message, |value| Ok(value.clone()));
-    }
-    create(&message.get_type(), message.get().duplicate(message.py()))
 }

@@ -78,23 +78,16 @@ fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> P
     Ok(())
 }
 
-/// A new message of the same class with the same frame; `each` copies what Python wrote to it.
-pub(crate) fn copy<'py>(
-    message: &Bound<'py, Message>,
-    each: impl Fn(&Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, Message>> {
+/// A new message of the same class with the same frame and attributes.
+pub(crate) fn copy<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Message>> {
     let this = message.get();
-    // One snapshot: `each` runs Python code, and other threads may write to the message meanwhile.
-    let bits = this.flags.load(Ordering::Relaxed);
-    let duplicate = this.duplicate(message.py());
+    // One snapshot: making an object may run Python code, and other threads may write to the message meanwhile.
+    let (bits, duplicate) = (this.flags.load(Ordering::Relaxed), this.duplicate(message.py()));
     let has_dict = bits & flags::DICT != 0;
     let attributes = has_dict.then(|| instance_dict(message)?.copy()).transpose()?;
     let copied = create(&message.get_type(), duplicate)?;
     if let Some(attributes) = attributes {
-        let target = instance_dict(&copied)?;
-        for (key, value) in attributes {
-            target.set_item(key, each(&value)?)?;
-        }
+        instance_dict(&copied)?.update(attributes.as_mapping())?;
         Message::written(&copied, bits);
     }
     Ok(copied)

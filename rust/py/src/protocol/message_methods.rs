@@ -12,7 +12,7 @@ use crate::message::info::MessageInfo;
 use crate::message::object::{Message, flags, flags_for, instance_dict};
 use crate::message::text;
 use crate::protocol::pack;
-use crate::python::calling::{Calling, truth};
+use crate::python::calling::truth;
 use crate::python::instance_dict::generic_setattr;
 
 #[pymethods]
@@ -225,15 +225,7 @@ impl Message {
     }
 
     fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
-        dict::copy(slf, |value| Ok(value.clone()))
-    }
-
-    fn __deepcopy__<'py>(
-        slf: &Bound<'py, Self>,
-        memo: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, Self>> {
-        let deepcopy = slf.py().import(intern!(slf.py(), "copy"))?.getattr("deepcopy")?;
-        dict::copy(slf, |value| deepcopy.invoke1((value, memo)))
+        dict::copy(slf)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
