@@ -92,12 +92,7 @@ fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
             _ => message.getattr(name),
         }
     };
-    let mut payload = Payload::zeroed(&info.definition);
-    let mut places = info.places.iter().enumerate();
-    match places.try_for_each(|(i, &place)| payload.put(place, attribute(i).ok()?.as_borrowed())) {
-        Some(()) => Ok(payload),
-        None => encode::encode_by_struct(message, info, attribute),
-    }
+    encode::encode_by_struct(message, info, attribute)
 }
 
 /// Encodes the fields as they stand in the instance dictionary, if they are all there in the order in which [`build`]

@@ -7,7 +7,7 @@ use pyo3::{Borrowed, ffi};
 /// An `int` (or a subclass of it) that fits.
 #[inline]
 pub(crate) fn integer(value: Borrowed<'_, '_, PyAny>) -> Option<i64> {
-    is_int(value).then_some(())?;
+    (value.is_exact_instance_of::<PyInt>() || value.is_instance_of::<PyInt>()).then_some(())?;
     let mut overflow = 0;
     // SAFETY: the object is an int, for which this call cannot fail other than by overflow, which raises nothing.
     let number = unsafe { ffi::PyLong_AsLongLongAndOverflow(value.as_ptr(), &raw mut overflow) };
@@ -22,41 +22,12 @@ pub(crate) fn unsigned(value: Borrowed<'_, '_, PyAny>) -> Option<u64> {
     }
 }
 
-/// A `float` or an `int`, unless it has a conversion of its own. Runs no Python code, like all functions here.
+/// A `float`, or an `int` that is no subclass and fits into one without loss. Runs no Python code, like all functions here.
 #[inline]
 pub(crate) fn float(value: Borrowed<'_, '_, PyAny>) -> Option<f64> {
-    if value.is_exact_instance_of::<PyFloat>() {
-        // SAFETY: the object is a float.
-        return Some(unsafe { ffi::PyFloat_AsDouble(value.as_ptr()) });
+    if !value.is_exact_instance_of::<PyInt>() {
+        return value.cast::<PyFloat>().ok().map(|float| float.value());
     }
-    odd_float(value)
-}
-
-#[inline(never)]
-fn odd_float(value: Borrowed<'_, '_, PyAny>) -> Option<f64> {
-    if value.is_exact_instance_of::<PyInt>()
-        && let Some(number) = integer(value)
-        && number.unsigned_abs() <= 1 << f64::MANTISSA_DIGITS
-    {
-        return Some(number as f64);
-    }
-    if let Ok(float) = value.cast::<PyFloat>() {
-        return Some(float.value());
-    }
-    (is_int(value) && converts_as_int(value)).then_some(())?;
-    value.extract().ok()
-}
-
-/// Converting it to a float calls no `__float__` of a subclass: callers rely on it that no Python code runs.
-fn converts_as_int(value: Borrowed<'_, '_, PyAny>) -> bool {
-    // SAFETY: two types that are alive.
-    unsafe {
-        let conversion = |class| ffi::PyType_GetSlot(class, ffi::Py_nb_float);
-        conversion(ffi::Py_TYPE(value.as_ptr())) == conversion(&raw mut ffi::PyLong_Type)
-    }
-}
-
-#[inline]
-fn is_int(value: Borrowed<'_, '_, PyAny>) -> bool {
-    value.is_exact_instance_of::<PyInt>() || value.is_instance_of::<PyInt>()
+    let number = integer(value)?;
+    (number.unsigned_abs() <= 1 << f64::MANTISSA_DIGITS).then_some(number as f64)
 }
