@@ -132,11 +132,6 @@ SCHEMA_ATTRS: "dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]]" = {
     "instance_offset": (-1, lambda info: info.instance[1]),
 }
 
-META_ATTRS = (
-    "_header _payload _msgbuf _crc _fieldnames _type _signed _link_id "
-    "_instances _instance_field _instance_offset _posted _link"
-).split()
-
 
 def _message_base(native: _native.Dialect, header: type) -> type:
     class MAVLink_message(_native.Message):
@@ -173,8 +168,6 @@ def _message_base(native: _native.Dialect, header: type) -> type:
     MAVLink_message._message_base = MAVLink_message  # type: ignore[attr-defined]
     for name, (default, read) in SCHEMA_ATTRS.items():
         setattr(MAVLink_message, name, SchemaAttr(name, default, read))
-    for name in META_ATTRS:
-        setattr(MAVLink_message, name, _native.MetaAttr(name))
     return MAVLink_message
 
 

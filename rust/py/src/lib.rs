@@ -139,6 +139,7 @@ mod _native {
         crate::sync::thread_number::follow_forks(module)?;
         crate::link::replaced::prepare(module.py())?;
         crate::message::create::check_layout(module.py())?;
+        crate::message::descriptors::add_meta_attributes(module.py())?;
         module.add("FieldGetter", crate::message::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";

@@ -214,7 +214,13 @@ impl MetaAttr {
     }
 }
 
-/// What reading an attribute says that is not there.
+/// Gives messages the attributes that all of them have.
+pub(crate) fn add_meta_attributes(py: Python<'_>) -> PyResult<()> {
+    let messages = py.get_type::<Message>();
+    meta::NAMES.iter().try_for_each(|&name| messages.setattr(name, MetaAttr::new(name.to_owned())))
+}
+
+/// The error of reading an attribute that does not exist.
 pub(crate) fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
     match class_name(&obj.get_type()) {
         Ok(class) => {
