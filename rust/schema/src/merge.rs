@@ -129,11 +129,11 @@ impl NumberedPart {
             let place = Place { file: Rc::clone(file), line: entry.line };
             let value = match entry.value {
                 Some(value) => value,
-                None => next_value(&place, part.range.1)?,
+                None => {
+                    part.automatic.push(part.entries.len());
+                    in_range(&place, part.range.1 + 1)?
+                }
             };
-            if entry.value.is_none() {
-                part.automatic.push(part.entries.len());
-            }
             part.range = (part.range.0.min(value), part.range.1.max(value));
             part.entries.push((place, numbered(entry, value)));
         }
@@ -146,7 +146,7 @@ impl NumberedPart {
         let moved = number_behind(&automatic, self.range, included.range);
         for (&index, value) in self.automatic.iter().zip(moved) {
             let (place, entry) = &mut self.entries[index];
-            entry.value = next_value(place, value - 1)?;
+            entry.value = in_range(place, value)?;
         }
         let count = included.entries.len();
         self.automatic.iter_mut().for_each(|index| *index += count);
@@ -171,9 +171,9 @@ pub fn number_behind(automatic: &[i128], own: (i128, i128), included: (i128, i12
     moved.collect()
 }
 
-fn next_value(place: &Place, highest: i128) -> Result<i128, SchemaError> {
-    let next = Some(highest + 1).filter(|&value| value <= MAX_VALUE);
-    next.ok_or_else(|| place.error(Reason::NoValueLeft(highest)))
+fn in_range(place: &Place, value: i128) -> Result<i128, SchemaError> {
+    let error = || place.error(Reason::NoValueLeft(value - 1));
+    if value <= MAX_VALUE { Ok(value) } else { Err(error()) }
 }
 
 fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {
