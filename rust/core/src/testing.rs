@@ -33,10 +33,9 @@ pub(crate) fn message(
     wire_order[..base.len()]
         .sort_by_key(|&i| std::cmp::Reverse(fields[usize::from(i)].field_type.size()));
     let mut offset = 0;
-    for (wire_index, &i) in wire_order.iter().enumerate() {
+    for &i in &wire_order {
         let field = &mut fields[usize::from(i)];
         field.offset = offset;
-        field.wire_index = wire_index as u8;
         offset += field.wire_len() as u8;
     }
     let min_len = fields.iter().filter(|f| !f.is_extension).map(|f| f.wire_len() as u8).sum();

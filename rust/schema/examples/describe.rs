@@ -49,6 +49,10 @@ fn message_json(message: &Message) -> String {
     let fields = |value: &dyn Fn(&Field) -> Option<String>| {
         object(message.fields.iter().filter_map(|field| Some((&*field.name, value(field)?))))
     };
+    let wire_index = |index: usize| {
+        let place = message.wire_fields().position(|(other, _)| other == index);
+        place.unwrap_or_default().to_string()
+    };
     object([
         ("kind", quote("message")),
         ("id", message.id.to_string()),
@@ -57,7 +61,7 @@ fn message_json(message: &Message) -> String {
         ("fieldnames", list(message.fields.iter().map(|field| quote(&field.name)))),
         ("fieldtypes", list(message.fields.iter().map(|field| quote(field.field_type.name())))),
         ("ordered_fieldnames", wire(&|field| quote(&field.name))),
-        ("orders", list(message.fields.iter().map(|field| field.wire_index.to_string()))),
+        ("orders", list((0..message.fields.len()).map(wire_index))),
         ("offsets", wire(&|field| field.offset.to_string())),
         ("lengths", wire(&wire_length)),
         ("array_lengths", wire(&|field| field.array_length.to_string())),

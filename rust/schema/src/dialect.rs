@@ -1,6 +1,6 @@
 //! A dialect put together from one or more files for one wire version: what core, links and Python work with.
 
-use crate::definitions::{CommandParam, Deprecation, FieldType};
+use crate::definitions::{CommandParam, FieldType};
 
 /// Wire protocol a dialect is laid out for. Version 1 drops ids above 255 and extension fields.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -78,10 +78,6 @@ pub struct Message {
     pub target_system_offset: Option<u8>,
     /// Payload offset of `target_component`, if there is such a one-byte field.
     pub target_component_offset: Option<u8>,
-    /// Marked `<wip/>`.
-    pub wip: bool,
-    /// Marked `<deprecated/>`; says since when and what replaces it.
-    pub deprecated: Option<Box<Deprecation>>,
     /// Free text; empty for the built-in definitions.
     pub description: String,
 }
@@ -97,8 +93,6 @@ pub struct Field {
     pub array_length: u8,
     /// Payload offset in bytes.
     pub offset: u8,
-    /// Position in wire order.
-    pub wire_index: u8,
     /// Extension field: zero where a frame does not carry it, never part of `crc_extra`.
     pub is_extension: bool,
     /// For `uint8_t_mavlink_version`: the dialect's version number, the default of the constructor functions.
@@ -109,8 +103,6 @@ pub struct Field {
     pub enum_name: Option<String>,
     /// `display`; `"bitmask"` where the enum is one.
     pub display: Option<String>,
-    /// `print_format`.
-    pub print_format: Option<String>,
     /// `invalid`.
     pub invalid: Option<String>,
     /// `multiplier`.

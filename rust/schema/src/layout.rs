@@ -35,13 +35,10 @@ pub(crate) fn lay_out(
     let Layout { order, offsets, crc_extra } = Layout::of(&definition);
     let instance_field = instance_field(&definition.fields, &order);
     let described = definition.fields.into_iter().map(|field| describe(field, version, is_bitmask));
-    let mut fields: Vec<Field> = described
+    let fields: Vec<Field> = described
         .zip(&offsets)
         .map(|(field, &offset)| Field { offset: offset as u8, ..field })
         .collect();
-    for (wire_index, &index) in order.iter().enumerate() {
-        fields[index].wire_index = wire_index as u8;
-    }
     let base_fields = fields.iter().filter(|field| !field.is_extension);
     Ok(Message {
         id: definition.id,
@@ -56,8 +53,6 @@ pub(crate) fn lay_out(
         target_component_offset: byte_offset(&fields, "target_component"),
         wire_order: order.iter().map(|&index| index as u8).collect(),
         fields,
-        wip: definition.status.wip,
-        deprecated: definition.status.deprecated,
         description: definition.description,
     })
 }
@@ -126,7 +121,6 @@ fn describe(definition: FieldDef, version: u8, is_bitmask: &dyn Fn(&str) -> bool
         mavlink_version: definition.is_mavlink_version.then_some(version),
         units: definition.units,
         enum_name: definition.enum_name,
-        print_format: definition.print_format,
         invalid: definition.invalid,
         multiplier: definition.multiplier,
         description: definition.description,
