@@ -141,7 +141,8 @@ impl Border {
     fn signed(&self, frame: &FrameRef<'_>, entry: Option<Entry>, now: u64) -> Option<Vec<u8>> {
         let mut signed = converted(frame, entry, WireVersion::V2, IFLAG_SIGNED)?;
         let mut signing = self.signing.borrow_mut();
-        signing.sign_frame(&mut signed, self.options.link_id, Some(now)).ok()?;
+        let (_, block) = signing.sign(&signed, self.options.link_id, Some(now)).ok()?;
+        signed.append_signature(&block);
         Some(signed.to_vec())
     }
 }

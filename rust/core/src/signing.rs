@@ -14,9 +14,7 @@ mod streams;
 pub use key::{Digest, SecretKey, sig48};
 pub use streams::{StreamId, StreamTable};
 
-use crate::frame::{
-    CHECKSUM_LEN, FrameBuffer, FrameRef, IFLAG_SIGNED, INCOMPAT_FLAGS_AT, SIGNATURE_LEN,
-};
+use crate::frame::{CHECKSUM_LEN, FrameRef, IFLAG_SIGNED, INCOMPAT_FLAGS_AT, SIGNATURE_LEN};
 use crate::x25;
 use subtle::{Choice, ConstantTimeEq};
 
@@ -261,39 +259,12 @@ impl SigningState {
         Ok(timestamp)
     }
 
-    /// Signs the frame that `out[start..]` holds by appending the signature block. The frame must have been encoded with
-    /// [`crate::frame::IFLAG_SIGNED`]. Returns the timestamp used.
+    /// The signature block for a frame that was encoded with [`crate::frame::IFLAG_SIGNED`], and the timestamp in it.
     ///
     /// # Errors
-    /// No key, or the timestamp is used up; nothing is appended then.
+    /// No key, or the timestamp is used up.
+    #[inline]
     pub fn sign(
-        &mut self,
-        out: &mut Vec<u8>,
-        start: usize,
-        link_id: u8,
-        now: Option<u64>,
-    ) -> Result<u64, SigningError> {
-        let (timestamp, block) = self.next_signature(&out[start..], link_id, now)?;
-        out.extend_from_slice(&block);
-        Ok(timestamp)
-    }
-
-    /// Signs a frame that was encoded with [`crate::frame::IFLAG_SIGNED`]. Returns the timestamp used.
-    ///
-    /// # Errors
-    /// No key, or the timestamp is used up; the frame stays as it was then.
-    pub fn sign_frame(
-        &mut self,
-        frame: &mut FrameBuffer,
-        link_id: u8,
-        now: Option<u64>,
-    ) -> Result<u64, SigningError> {
-        let (timestamp, block) = self.next_signature(frame, link_id, now)?;
-        frame.append_signature(&block);
-        Ok(timestamp)
-    }
-
-    fn next_signature(
         &mut self,
         frame: &[u8],
         link_id: u8,

@@ -89,7 +89,7 @@ impl FrameBuffer {
 
     /// Adds the signature block of a frame that was made with [`IFLAG_SIGNED`] and has none yet.
     #[inline]
-    pub(crate) fn append_signature(&mut self, block: &[u8; SIGNATURE_LEN]) {
+    pub fn append_signature(&mut self, block: &[u8; SIGNATURE_LEN]) {
         self.extend(block);
     }
 }

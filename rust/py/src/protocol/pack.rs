@@ -1,6 +1,6 @@
 //! Message objects to frames.
 
-use mavwire_core::frame::{self, FrameBuffer};
+use mavwire_core::frame::FrameBuffer;
 use mavwire_schema::WireVersion;
 use pyo3::exceptions::PyNotImplementedError;
 use pyo3::prelude::*;
@@ -127,10 +127,8 @@ pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) 
     let py = message.py();
     let signing = mav.getattr(intern!(py, "signing"))?.cast_into::<Signing>()?;
     let buffer = message.getattr(intern!(py, "_msgbuf"))?;
-    let mut frame = lists::bytes(&buffer)?;
-    signing.get().sign(&mut frame)?;
-    let appended = PyBytes::new(py, &frame[frame.len() - frame::SIGNATURE_LEN..]);
-    buffer.invoke_method1(intern!(py, "extend"), (appended,))?;
+    let block = signing.get().sign(&lists::bytes(&buffer)?)?;
+    buffer.invoke_method1(intern!(py, "extend"), (PyBytes::new(py, &block),))?;
     Ok(())
 }
 

@@ -38,7 +38,8 @@ impl Sender<'_> {
         };
         frame.encode(header, payload, crc_extra).map_err(Error::from)?;
         if let Some(signing) = signing {
-            signing.get().sign_frame(frame)?;
+            let block = signing.get().sign(frame)?;
+            frame.append_signature(&block);
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::frame::{FrameBuffer, FrameRef};
+use mavwire_core::frame::{FrameRef, SIGNATURE_LEN};
 use mavwire_core::signing::{
     SecretKey, Sightings, SigningState, StreamId, StreamTable, Verdict, timestamp_from_unix_micros,
 };
@@ -140,18 +140,12 @@ impl Signing {
         self.sign_outgoing.load(Relaxed)
     }
 
-    /// Signs a frame that was made for it.
-    pub(crate) fn sign_frame(&self, frame: &mut FrameBuffer) -> PyResult<()> {
+    /// The signature block for a frame that was made for it.
+    pub(crate) fn sign(&self, frame: &[u8]) -> PyResult<[u8; SIGNATURE_LEN]> {
         let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
-        self.state().sign_frame(frame, link_id, now).map_err(Error::from)?;
-        self.store_timestamp()
-    }
-
-    /// Appends a signature to a frame.
-    pub(crate) fn sign(&self, frame: &mut Vec<u8>) -> PyResult<()> {
-        let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
-        self.state().sign(frame, 0, link_id, now).map_err(Error::from)?;
-        self.store_timestamp()
+        let (_, block) = self.state().sign(frame, link_id, now).map_err(Error::from)?;
+        self.store_timestamp()?;
+        Ok(block)
     }
 
     /// Counts a frame that carries a signature which nobody checks.
