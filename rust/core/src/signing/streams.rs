@@ -57,12 +57,6 @@ impl StreamTable {
         self.streams.binary_search_by_key(&number(id), |entry| number(entry.id))
     }
 
-    /// The last timestamp of a stream.
-    #[inline]
-    pub fn get(&self, id: StreamId) -> Option<u64> {
-        self.find(id).ok().map(|at| self.streams[at].timestamp)
-    }
-
     /// The least timestamp of a stream that is not a replay. `at` comes from `find`.
     #[inline]
     pub(super) fn least(&self, at: Result<usize, usize>, id: StreamId) -> u64 {
@@ -113,29 +107,14 @@ impl StreamTable {
         self.streams.insert(at - usize::from(place < at), new);
     }
 
-    /// Forgets a stream; returns its timestamp.
-    pub fn remove(&mut self, id: StreamId) -> Option<u64> {
-        self.find(id).ok().map(|at| self.streams.remove(at).timestamp)
-    }
-
     /// Forgets all streams. The floors of replaced streams stay.
     pub fn clear(&mut self) {
         self.streams.clear();
     }
 
-    /// Number of streams.
-    pub fn len(&self) -> usize {
-        self.streams.len()
-    }
-
     /// The largest number of streams.
     pub fn capacity(&self) -> usize {
         self.capacity
-    }
-
-    /// No streams.
-    pub fn is_empty(&self) -> bool {
-        self.streams.is_empty()
     }
 
     /// All streams with their last timestamps, in order.

@@ -120,7 +120,7 @@ fn r32_any_flipped_bit_is_a_mismatch() {
         if let Ok(frame) = FrameRef::parse(&flipped) {
             assert!(!state.check(&frame, None).is_verified(), "bit {bit}");
         }
-        assert!(state.streams.is_empty());
+        assert!(state.streams.iter().next().is_none());
     }
 }
 
@@ -228,7 +228,6 @@ fn r51_the_local_timestamp_stays_near_the_clock_and_never_wraps() {
         let error = state.sign(&HEARTBEAT_V2, 0, None);
         assert_eq!(error, Err(SigningError::TimestampExhausted));
     }
-    assert_eq!(out.len(), HEARTBEAT_V2.len() + SIGNATURE_LEN);
 }
 
 #[test]
@@ -289,10 +288,8 @@ fn r55_the_longest_silent_stream_is_replaced_and_cannot_be_replayed() {
     assert_eq!(state.streams.floor(2), 3);
     assert_eq!(check(&mut state, &signed(1, 4), None), GOOD_NEW, "the floor is of a link id");
     assert_eq!(check(&mut state, &signed(3, 2), None), GOOD_NEW, "it goes on");
-    assert_eq!(state.streams.remove(StreamId { link_id: 2, sysid: 1, compid: 1 }), Some(3));
-    assert_eq!(state.streams.len(), 1);
     state.streams.clear();
-    assert!(state.streams.is_empty());
+    assert!(state.streams.iter().next().is_none());
 }
 
 #[test]
@@ -309,7 +306,7 @@ fn r55_a_fast_clock_makes_no_floor_while_others_can_be_replaced() {
     for link_id in 1..4 {
         small.set(StreamId { link_id, sysid: 1, compid: 1 }, MAX_TIMESTAMP);
     }
-    assert_eq!((small.len(), small.floor(2)), (1, MAX_TIMESTAMP + 1));
+    assert_eq!((small.iter().count(), small.floor(2)), (1, MAX_TIMESTAMP + 1));
 }
 
 /// A frame of one of a few streams with a timestamp about the clock's, and whether it is only looked at.
@@ -340,7 +337,7 @@ proptest! {
             } else if check(&mut state, &frame, now).is_verified() {
                 prop_assert!(believed.insert((link_id, timestamp)), "believed twice");
             }
-            prop_assert!(state.streams.len() <= 3 && seen.streams.len() <= 3);
+            prop_assert!(state.streams.iter().count() <= 3 && seen.streams.iter().count() <= 3);
         }
     }
 }
@@ -395,5 +392,5 @@ fn r41_a_look_keeps_nothing_of_a_forged_frame() {
     assert_eq!(look(&mut state, &mut seen, &signed_with(b'B', 11, 3), None), forged);
     let old = Verdict::OldTimestamp { timestamp: 10, last: 10 };
     assert_eq!(look(&mut state, &mut seen, &signed(10, 3), None), old);
-    assert!(seen.streams.is_empty());
+    assert!(seen.streams.iter().next().is_none());
 }
