@@ -1,13 +1,13 @@
 //! Python values to payload bytes.
 //!
-//! The fast path takes what callers nearly always pass: exact ints, floats, bytes, lists and tuples. Everything else,
-//! errors included, is left to Python's own `struct`: it decides what fits, and its exceptions are the ones callers
-//! of pymavlink know.
+//! The fast path takes what callers nearly always pass: ints, floats, texts as bytes, and lists. Everything else, errors
+//! included, is left to Python's own `struct`: it decides what fits, and its exceptions are the ones callers of pymavlink
+//! know.
 
 use mavwire_schema::{FieldType, Message as Definition, WireVersion};
 use pyo3::Borrowed;
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyList, PyTuple};
+use pyo3::types::{PyBytes, PyList, PyTuple};
 
 use crate::message::info::{Info, Place};
 use crate::message::object::Message;
@@ -62,37 +62,19 @@ fn put_many(place: Place, value: Borrowed<'_, '_, PyAny>, out: &mut [u8]) -> Opt
     }
     let count = usize::from(place.array_length);
     let elements = out.chunks_exact_mut(place.field_type.size());
-    if let Ok(list) = value.cast_exact::<PyList>() {
-        (list.len() >= count).then_some(())?;
-        for (i, out) in elements.enumerate() {
-            put_scalar(place.field_type, list.get_item(i).ok()?.as_borrowed(), out)?;
-        }
-    } else if let Ok(tuple) = value.cast_exact::<PyTuple>() {
-        (tuple.len() >= count).then_some(())?;
-        for (i, out) in elements.enumerate() {
-            put_scalar(place.field_type, tuple.get_borrowed_item(i).ok()?, out)?;
-        }
-    } else {
-        let bytes = value.cast_exact::<PyBytes>().ok()?;
-        let bytes = bytes.as_bytes();
-        (place.field_type == FieldType::U8 && bytes.len() >= count).then_some(())?;
-        out.copy_from_slice(&bytes[..count]);
+    let list = value.cast_exact::<PyList>().ok().filter(|list| list.len() >= count)?;
+    for (i, out) in elements.enumerate() {
+        put_scalar(place.field_type, list.get_item(i).ok()?.as_borrowed(), out)?;
     }
     Some(())
 }
 
 fn put_text(place: Place, value: Borrowed<'_, '_, PyAny>, out: &mut [u8]) -> Option<()> {
-    if let Ok(bytes) = value.cast_exact::<PyBytes>() {
-        let bytes = bytes.as_bytes();
-        if place.array_length == 0 && bytes.len() != 1 {
-            return None;
-        }
-        let len = bytes.len().min(out.len());
-        out[..len].copy_from_slice(&bytes[..len]);
-        return Some(());
+    let text = value.cast_exact::<PyBytes>().ok()?;
+    let bytes = text.as_bytes();
+    if place.array_length == 0 && bytes.len() != 1 {
+        return None;
     }
-    let array = value.cast_exact::<PyByteArray>().ok().filter(|_| place.array_length > 0)?;
-    let bytes = array.to_vec();
     let len = bytes.len().min(out.len());
     out[..len].copy_from_slice(&bytes[..len]);
     Some(())
