@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import threading
 import time
@@ -194,3 +195,12 @@ def test_signed_frames_verified_while_others_send():
     stamps = [signing_timestamp(frame) for frame in wire.frames]
     assert all(earlier < later for earlier, later in pairwise(stamps))
     assert_in_sequence(wire.frames)
+
+
+def test_the_import_fails_without_the_interpreters_lock():
+    """As a free-threaded build with PYTHON_GIL=0 has it."""
+    program = "import sys; sys._is_gil_enabled = lambda: False; import mavwire._native"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert "ImportError: mavwire needs the global interpreter lock" in done.stderr
