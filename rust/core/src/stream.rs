@@ -1,15 +1,10 @@
 //! A byte stream that arrives in pieces: a scanner with just enough buffer.
 //!
-//! Two ways to use it. [`FrameStream::push`] and [`FrameStream::next`] copy what arrives and hand it out again, for small
-//! reads. [`FrameStream::feed`] scans a caller's chunk in place, which is what large reads want: only the frame that
-//! straddles two chunks is copied. The memory kept between chunks is at most one frame's worth of bytes, and a large
-//! chunk's buffer is given back.
+//! [`FrameStream::feed`] scans a caller's chunk in place. Only the frame that straddles two chunks is copied, so that the
+//! memory kept between chunks is at most one frame's worth of bytes.
 
 use crate::registry::Registry;
 use crate::scan::{Found, Resync, Scanner};
-
-/// Capacity that is kept while there is little to hold.
-const KEPT_CAPACITY: usize = 16 * 1024;
 
 /// An outcome of the scanner with its bytes. `found` is never [`Found::Incomplete`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,18 +37,6 @@ impl FrameStream {
         self
     }
 
-    /// Appends received bytes.
-    pub fn push(&mut self, bytes: &[u8]) {
-        self.compact();
-        self.buffer.extend_from_slice(bytes);
-    }
-
-    /// The next piece; `None` until more bytes are pushed.
-    pub fn next(&mut self, registry: &Registry) -> Option<Piece<'_>> {
-        let found = self.scanner.next(&self.buffer[self.start..], registry);
-        self.take(found)
-    }
-
     /// The next piece where no more bytes will come (see [`Scanner::next_at_end`]).
     pub fn next_at_end(&mut self, registry: &Registry) -> Option<Piece<'_>> {
         let found = self.scanner.next_at_end(&self.buffer[self.start..], registry);
@@ -62,7 +45,10 @@ impl FrameStream {
 
     /// Scans `chunk` in place behind the buffered bytes. Dropping the result buffers what it has not handed out.
     pub fn feed<'a>(&'a mut self, chunk: &'a [u8]) -> Feed<'a> {
-        self.compact();
+        if self.start > 0 {
+            self.buffer.drain(..self.start);
+            self.start = 0;
+        }
         let carried = self.buffer.len();
         Feed { stream: self, chunk, at: 0, carried }
     }
@@ -85,24 +71,9 @@ impl FrameStream {
     }
 
     fn take(&mut self, found: Found) -> Option<Piece<'_>> {
-        let Some(len) = consumed(&found) else {
-            self.compact();
-            return None;
-        };
         let from = self.start;
-        self.start += len;
+        self.start += consumed(&found)?;
         Some(Piece { bytes: &self.buffer[from..self.start], found })
-    }
-
-    /// Moves the unread bytes to the front, and gives a large buffer back when little is left in it.
-    fn compact(&mut self) {
-        if self.buffer.capacity() > KEPT_CAPACITY && self.buffered() <= KEPT_CAPACITY / 4 {
-            self.buffer = self.buffer[self.start..].to_vec();
-            self.start = 0;
-        } else if self.start > self.buffer.len() / 2 {
-            self.buffer.drain(..self.start);
-            self.start = 0;
-        }
     }
 }
 
@@ -190,22 +161,16 @@ mod tests {
         }
     }
 
-    fn run(policy: Resync, input: &[u8], chunk: usize, feed: bool) -> Collected {
+    fn run(policy: Resync, input: &[u8], chunk: usize) -> Collected {
         let registry = registry();
         let mut stream = FrameStream::new(policy);
         let mut collected = Collected::default();
         for chunk in input.chunks(chunk) {
-            if feed {
-                let mut feed = stream.feed(chunk);
-                while let Some(piece) = feed.next(&registry) {
-                    collect(&mut collected, piece);
-                }
-            } else {
-                stream.push(chunk);
-                while let Some(piece) = stream.next(&registry) {
-                    collect(&mut collected, piece);
-                }
+            let mut feed = stream.feed(chunk);
+            while let Some(piece) = feed.next(&registry) {
+                collect(&mut collected, piece);
             }
+            drop(feed);
             assert!(stream.buffered() < 280);
         }
         collected.1.extend_from_slice(stream.unread());
@@ -213,17 +178,15 @@ mod tests {
     }
 
     #[test]
-    fn r22_pushing_and_feeding_any_chunks_gives_the_same_frames() {
+    fn r22_any_chunks_give_the_same_frames() {
         let input = input();
         for policy in [Resync::Skip, Resync::Rescan] {
-            let whole = run(policy, &input, input.len(), false);
+            let whole = run(policy, &input, input.len());
             assert!(whole.0.len() > 100);
             for chunk in (1..80).chain([279, 280, 281, 1000]) {
-                for feed in [false, true] {
-                    let (frames, bytes) = run(policy, &input, chunk, feed);
-                    assert!(frames == whole.0, "{policy:?} chunk {chunk} feed {feed}");
-                    assert!(bytes == input, "{policy:?} chunk {chunk} feed {feed}");
-                }
+                let (frames, bytes) = run(policy, &input, chunk);
+                assert!(frames == whole.0, "{policy:?} chunk {chunk}");
+                assert!(bytes == input, "{policy:?} chunk {chunk}");
             }
         }
     }
@@ -232,14 +195,15 @@ mod tests {
     fn a_feed_dropped_early_keeps_the_rest() {
         let registry = registry();
         let mut stream = FrameStream::new(Resync::Skip);
-        stream.push(&HEARTBEAT_V2[..5]);
+        drop(stream.feed(&HEARTBEAT_V2[..5]));
         let chunk = [&HEARTBEAT_V2[5..], &HEARTBEAT_V1, &HEARTBEAT_V2].concat();
         let mut feed = stream.feed(&chunk);
         assert_eq!(feed.next(&registry).map(|p| p.bytes.to_vec()), Some(HEARTBEAT_V2.to_vec()));
         drop(feed);
-        assert_eq!(stream.next(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V1[..]));
-        assert_eq!(stream.next(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V2[..]));
-        assert_eq!(stream.next(&registry), None);
+        let mut feed = stream.feed(&[]);
+        assert_eq!(feed.next(&registry).map(|p| p.bytes.to_vec()), Some(HEARTBEAT_V1.to_vec()));
+        assert_eq!(feed.next(&registry).map(|p| p.bytes.to_vec()), Some(HEARTBEAT_V2.to_vec()));
+        assert_eq!(feed.next(&registry), None);
     }
 
     #[test]
@@ -249,9 +213,10 @@ mod tests {
             let mut stream = FrameStream::new(policy);
             let big = HEARTBEAT_V2.repeat(400_000);
             for chunk in big.chunks(1_000_003) {
-                stream.push(chunk);
-                while stream.next(&registry).is_some() {}
-                assert!(stream.buffer.capacity() <= KEPT_CAPACITY);
+                let mut feed = stream.feed(chunk);
+                while feed.next(&registry).is_some() {}
+                drop(feed);
+                assert!(stream.buffer.capacity() <= 1024);
                 assert!(stream.buffered() < 21);
             }
         }
@@ -261,8 +226,10 @@ mod tests {
     fn the_end_of_a_stream_frees_frames_behind_a_false_stx() {
         let registry = registry();
         let mut stream = FrameStream::new(Resync::Rescan);
-        stream.push(&[&[0xFE, 200, 0], &HEARTBEAT_V2[..]].concat());
-        assert_eq!(stream.next(&registry), None);
+        assert_eq!(
+            stream.feed(&[&[0xFE, 200, 0], &HEARTBEAT_V2[..]].concat()).next(&registry),
+            None
+        );
         let junk = stream.next_at_end(&registry).map(|piece| piece.bytes.to_vec());
         assert_eq!(junk, Some(vec![0xFE, 200, 0]));
         assert_eq!(stream.next_at_end(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V2[..]));

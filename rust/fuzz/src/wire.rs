@@ -59,7 +59,7 @@ fn scanned(policy: Resync, bytes: &[u8], good_first: bool) -> Outcome {
     }
 }
 
-/// Chunks of sizes that `sizes` says, pushed or fed.
+/// Chunks of sizes that `sizes` says.
 fn streamed(policy: Resync, mut bytes: &[u8], sizes: &[u8]) -> Outcome {
     let (mut stream, mut outcome) = (FrameStream::new(policy), Outcome::default());
     let mut sizes = sizes.iter().cycle();
@@ -67,17 +67,11 @@ fn streamed(policy: Resync, mut bytes: &[u8], sizes: &[u8]) -> Outcome {
         let size = *sizes.next().unwrap_or(&0);
         let (chunk, rest) = bytes.split_at((usize::from(size) + 1).min(bytes.len()));
         bytes = rest;
-        if size.is_multiple_of(2) {
-            stream.push(chunk);
-            while let Some(piece) = stream.next(&ALL) {
-                outcome.take(piece.bytes, piece.found);
-            }
-        } else {
-            let mut feed = stream.feed(chunk);
-            while let Some(piece) = feed.next(&ALL) {
-                outcome.take(piece.bytes, piece.found);
-            }
+        let mut feed = stream.feed(chunk);
+        while let Some(piece) = feed.next(&ALL) {
+            outcome.take(piece.bytes, piece.found);
         }
+        drop(feed);
         assert!(stream.buffered() < MAX_FRAME_LEN, "memory");
     }
     outcome.bytes.extend_from_slice(stream.unread());
