@@ -81,7 +81,7 @@ fn scan_all(bytes: &[u8], policy: Resync, registry: &Registry) -> usize {
 }
 
 fn records(log: &[u8], registry: &Registry) -> usize {
-    let mut scanner = RecordScanner::new();
+    let mut scanner = RecordScanner::default();
     let (mut at, mut count) = (0, 0);
     while let FoundRecord::Record { len, .. } = scanner.next(&log[at..], registry, true) {
         at += len;
@@ -178,7 +178,7 @@ fn one_frame(c: &mut Criterion) {
 }
 
 fn signing(c: &mut Criterion) {
-    let mut state = SigningState::new();
+    let mut state = SigningState::default();
     state.set_key(SecretKey::new(&[7; 32]).ok());
     let mut group = c.benchmark_group("sign");
     let mut frame = Vec::new();
@@ -191,7 +191,7 @@ fn signing(c: &mut Criterion) {
     group.bench_function("verify", |b| {
         b.iter_batched_ref(
             || {
-                let mut fresh = SigningState::new();
+                let mut fresh = SigningState::default();
                 fresh.set_key(SecretKey::new(&[7; 32]).ok());
                 fresh
             },

@@ -131,7 +131,7 @@ impl Bench {
     }
 
     fn verify(&self) -> Result<(), Box<dyn Error>> {
-        let mut state = SigningState::new();
+        let mut state = SigningState::default();
         state.set_key(Some(key()?));
         for bytes in self.signed.iter() {
             if !state.check(&FrameRef::parse(black_box(bytes))?, None).is_verified() {

@@ -185,7 +185,7 @@ mod tests {
     const UNKNOWN: u32 = 201;
 
     fn state(key: u8) -> Rc<RefCell<SigningState>> {
-        let mut state = SigningState::new();
+        let mut state = SigningState::default();
         state.set_key(Some(SecretKey::new(&[key; 32]).expect("32 bytes")));
         state.timestamp = NOW;
         Rc::new(RefCell::new(state))

@@ -60,13 +60,6 @@ fn header_len(stx: u8) -> usize {
 
 impl Default for Parser {
     fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Parser {
-    /// A parser that has received nothing.
-    pub fn new() -> Self {
         Self {
             buffer: Vec::new(),
             parsed: 0,
@@ -77,7 +70,9 @@ impl Parser {
             have_prefix_error: false,
         }
     }
+}
 
+impl Parser {
     /// How parsing goes on after damage.
     pub fn resync(&self) -> Resync {
         self.scanner.policy()

@@ -25,11 +25,6 @@ impl Default for SequenceTracker {
 }
 
 impl SequenceTracker {
-    /// A tracker that has heard nothing.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes note of a frame; returns the number lost before it, 0 for a component's first.
     #[inline]
     pub fn observe(&mut self, sysid: u8, compid: u8, seq: u8) -> u8 {
@@ -124,14 +119,14 @@ mod tests {
 
     #[test]
     fn r17_gaps_are_counted_modulo_256() {
-        let mut tracker = SequenceTracker::new();
+        let mut tracker = SequenceTracker::default();
         let lost = [5, 6, 9, 9, 8].map(|seq| tracker.observe(1, 1, seq));
         assert_eq!(lost, [0, 0, 2, 255, 254]);
     }
 
     #[test]
     fn r17_the_counter_wraps_and_components_are_apart() {
-        let mut tracker = SequenceTracker::new();
+        let mut tracker = SequenceTracker::default();
         assert_eq!(tracker.last().next(), None);
         for (sysid, compid, seq) in [(1, 2, 255), (2, 1, 77), (1, 1, 9), (1, 2, 0), (255, 255, 0)] {
             assert_eq!(tracker.observe(sysid, compid, seq), 0);

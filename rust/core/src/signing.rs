@@ -133,11 +133,6 @@ pub struct SigningState {
 }
 
 impl SigningState {
-    /// No key, timestamp 0, no streams.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Sets or removes the key. Streams and timestamp stay.
     pub fn set_key(&mut self, key: Option<SecretKey>) {
         self.key = key;

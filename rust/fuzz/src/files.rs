@@ -88,7 +88,7 @@ fn telemetry(path: &Path, chunk: usize, bytes: &[u8]) {
 
 /// The records by one scanner over all bytes.
 fn scanned(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
-    let (mut scanner, mut records, mut at) = (RecordScanner::new(), Vec::new(), 0);
+    let (mut scanner, mut records, mut at) = (RecordScanner::default(), Vec::new(), 0);
     loop {
         match scanner.next(&bytes[at..], &ALL, true) {
             FoundRecord::Record { len, .. } => {

@@ -125,7 +125,7 @@ fn stream_of(frame: &FrameRef<'_>) -> StreamId {
 /// Any sequence of sending and receiving, with and without a key and a clock.
 pub fn signing(data: &[u8]) {
     let mut input = Input::new(data);
-    let mut state = SigningState::new();
+    let mut state = SigningState::default();
     state.streams = StreamTable::with_capacity(CAPACITY);
     state.timestamp = input.long() >> 16;
     state.max_ahead = (input.byte() % 2 == 1).then_some(MAX_AHEAD);
@@ -218,7 +218,7 @@ pub fn border(data: &[u8]) {
     };
     let mut newest = input.long() >> 20;
     let state = || {
-        let mut state = SigningState::new();
+        let mut state = SigningState::default();
         state.set_key(Some(key(0)));
         state.timestamp = newest;
         Rc::new(RefCell::new(state))

@@ -87,7 +87,7 @@ impl LogReader {
         Ok(Self {
             window,
             finder: RecordFinder::new(framing),
-            ahead: Ahead::new(),
+            ahead: Ahead::default(),
             offset: 0,
             size,
             framing,

@@ -14,7 +14,7 @@ fn key(byte: u8) -> Option<SecretKey> {
 }
 
 fn receiver() -> SigningState {
-    let mut state = SigningState::new();
+    let mut state = SigningState::default();
     state.set_key(key(b'A'));
     state
 }
@@ -208,7 +208,7 @@ fn r48_unknown_ids_are_judged_like_any_other() {
 
 #[test]
 fn r50_without_a_key_nothing_is_verified() {
-    let mut state = SigningState::new();
+    let mut state = SigningState::default();
     assert_eq!(check(&mut state, &signed(1000, 3), None), Verdict::NoKey);
     assert!(
         !Verdict::NoKey.is_verified() && state.streams.iter().next().is_none() && !state.has_key()

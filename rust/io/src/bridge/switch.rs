@@ -117,7 +117,7 @@ impl Switch {
         if let Some(known) = self.signing.iter().find(|state| is_same(&state.borrow())) {
             return Rc::clone(known);
         }
-        let mut state = SigningState::new();
+        let mut state = SigningState::default();
         state.set_key(SecretKey::new(key.expose()).ok());
         state.timestamp = timestamp_from_unix_micros(self.moment.unix);
         let state = Rc::new(RefCell::new(state));

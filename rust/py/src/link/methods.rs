@@ -109,7 +109,7 @@ impl Link {
     }
     #[setter(last_seq)]
     fn set_last_seq(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
-        let mut sequences = SequenceTracker::new();
+        let mut sequences = SequenceTracker::default();
         for (source, seq) in value {
             let (sysid, compid) = source.extract()?;
             sequences.observe(sysid, compid, seq.extract()?);

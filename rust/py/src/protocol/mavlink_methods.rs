@@ -64,7 +64,7 @@ impl MAVLink {
             src_component: AtomicI64::new(0),
             robust_parsing: AtomicBool::new(false),
             counters: Counters::default(),
-            parser: Lock::new(Parser::new()),
+            parser: Lock::new(Parser::default()),
             signing: Slot::new(),
             file: Slot::new(),
             callback: Callback::new("callback_args", "callback_kwargs"),

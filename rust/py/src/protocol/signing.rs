@@ -159,7 +159,7 @@ impl Signing {
     #[new]
     fn new() -> Self {
         Self {
-            state: Lock::new(SigningState::new()),
+            state: Lock::new(SigningState::default()),
             streams: Lock::new(Arc::new(Lock::new(Streams::default()))),
             mark: AtomicU64::new(u64::MAX),
             keep: Slot::new(),

@@ -286,7 +286,7 @@ impl LogScan {
         let framing = framing_of(files::open(&path)?, &dialect.get().registry)?;
         query.check_times(framing == Framing::Stamped)?;
         let reader = LogReader::open(&path, framing, 0.0)?;
-        let mut parser = Parser::new();
+        let mut parser = Parser::default();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
         let wanted = query.wanted(dialect.get());
         Ok(Self {

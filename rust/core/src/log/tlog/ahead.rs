@@ -46,18 +46,13 @@ pub struct Ahead {
 
 impl Default for Ahead {
     fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Ahead {
-    /// Nothing was checked yet.
-    pub fn new() -> Self {
         // A good frame is one under either policy, and this one needs no memory of what was before.
         let scanner = Scanner::new(Resync::Skip);
         Self { records: Vec::new(), next: 0, scanner, registry: None, wanted: 1 }
     }
+}
 
+impl Ahead {
     /// The record at `offset`, if it is known to be good.
     #[inline]
     pub fn get(&self, offset: u64, rules: Rules<'_>) -> Option<Checked> {
@@ -150,7 +145,7 @@ mod tests {
         let len = log.len() / 4;
         log[2 * len + 12] ^= 1;
         let rules = Rules { registry: &registry, ignore_checksum: false, lead: 0 };
-        let mut ahead = Ahead::new();
+        let mut ahead = Ahead::default();
         let mut known = Vec::new();
         for offset in (0..4).map(|number| number * len) {
             if !ahead.expects(offset as u64) {

@@ -46,7 +46,8 @@ enum Ahead {
     BehindFrame { len: usize, header: Header, entry: Option<Entry> },
 }
 
-/// Finds records. `unread` must start where the previous outcome ended, as for [`Scanner`].
+/// Finds records, from the start of a log or from anywhere in it. `unread` must start where the previous outcome ended, as for
+/// [`Scanner`].
 #[derive(Debug, Clone)]
 pub struct RecordScanner {
     /// Bytes in front of each frame.
@@ -62,11 +63,6 @@ impl Default for RecordScanner {
 }
 
 impl RecordScanner {
-    /// A scanner at the start of a log, or anywhere in it.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     pub(super) fn with_lead(lead: usize) -> Self {
         Self { lead, scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
     }

@@ -24,7 +24,7 @@ fn log(count: u64) -> Vec<Vec<u8>> {
 
 /// Records by [`RecordScanner`], fed in chunks, as (stamp, frame).
 fn scan(bytes: &[u8], chunk: usize) -> Vec<(u64, Vec<u8>)> {
-    let (registry, mut scanner) = (registry(), RecordScanner::new());
+    let (registry, mut scanner) = (registry(), RecordScanner::default());
     let (mut found, mut start, mut end, mut total) = (Vec::new(), 0, 0, 0);
     loop {
         end = (end + chunk).min(bytes.len());
@@ -167,7 +167,7 @@ fn lost_bytes_of_a_time_stamp_cost_no_signed_record() {
 
 /// How often each byte goes through a checksum.
 fn work_per_byte(bytes: &[u8]) -> f64 {
-    let (mut scanner, registry, mut at) = (RecordScanner::new(), registry(), 0);
+    let (mut scanner, registry, mut at) = (RecordScanner::default(), registry(), 0);
     loop {
         match scanner.next(&bytes[at..], &registry, true) {
             FoundRecord::Record { len, .. } | FoundRecord::Junk { len } => at += len,
