@@ -19,14 +19,6 @@ class Exclusive:
         """Whether a call has the turn."""
 
 @final
-class Section:
-    """A critical section. A thread may enter it again, and no fork or signal handler leaves it locked."""
-
-    def __new__(cls) -> Section: ...
-    def run(self, act: Callable[..., Any], *args: Any) -> Any:
-        """`act(*args)`, once no other thread is in the section."""
-
-@final
 class StreamWriter:
     """Outgoing bytes of a non-blocking stream socket, from any number of threads.
 

@@ -10,6 +10,7 @@ that only a type checker needs are quoted, since ``typing`` is not imported.
 
 import struct
 import time
+from _operator import attrgetter
 from types import FunctionType
 
 from mavwire import _native
@@ -100,10 +101,6 @@ def defining_class(cls: type) -> type | None:
     return None
 
 
-def _read_attribute(name: str) -> "Callable[[_native.MessageInfo], Any]":
-    return lambda info: getattr(info, name)
-
-
 def _wire_rows(info: _native.MessageInfo) -> "list[tuple[Any, ...]]":
     """What constructor parameters are made of, in wire order."""
     rows = {row[0]: row for row in info.parameters}
@@ -111,12 +108,12 @@ def _wire_rows(info: _native.MessageInfo) -> "list[tuple[Any, ...]]":
 
 
 SCHEMA_ATTRS: "dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]]" = {
-    "fieldnames": ([], _read_attribute("fieldnames")),
-    "ordered_fieldnames": ([], _read_attribute("ordered_fieldnames")),
+    "fieldnames": ([], attrgetter("fieldnames")),
+    "ordered_fieldnames": ([], attrgetter("ordered_fieldnames")),
     "fieldtypes": ([], lambda info: [kind for _, kind, *_ in info.parameters]),
-    "fielddisplays_by_name": ({}, _read_attribute("fielddisplays_by_name")),
-    "fieldenums_by_name": ({}, _read_attribute("fieldenums_by_name")),
-    "fieldunits_by_name": ({}, _read_attribute("fieldunits_by_name")),
+    "fielddisplays_by_name": ({}, attrgetter("fielddisplays_by_name")),
+    "fieldenums_by_name": ({}, attrgetter("fieldenums_by_name")),
+    "fieldunits_by_name": ({}, attrgetter("fieldunits_by_name")),
     "native_format": (
         bytearray(),
         lambda info: bytearray(info.unpacker_format.translate(LETTERS), "ascii"),

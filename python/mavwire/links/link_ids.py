@@ -10,8 +10,7 @@ streams, ArduPilot for 16, and ids that only ever rise would soon be too many.
 from __future__ import annotations
 
 import os
-
-from mavwire._native import Section
+from _thread import RLock
 
 from . import Any
 from .readiness import from_handler
@@ -19,7 +18,10 @@ from .warn import warn
 
 # The locked file of each id -> its descriptor, which is open until the process ends.
 _held: dict[str, int] = {}
-_section = Section()
+# For them, and for what links with a key share. A fork leaves it free.
+section = RLock()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=section._at_fork_reinit)  # type: ignore[attr-defined]
 
 
 def claim(store: str | os.PathLike[str], link_id: int) -> bool:
@@ -33,7 +35,8 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
         return True
     path = f"{os.path.realpath(os.fsdecode(store))}.link{link_id}"
     try:
-        return bool(_section.run(_hold, path, fcntl))
+        with section:
+            return _hold(path, fcntl)
     except OSError as error:
         if from_handler(error):
             raise

@@ -9,10 +9,10 @@ from __future__ import annotations
 import time
 from _weakref import ref
 
-from mavwire._native import Section
 from mavwire._native import Signing as SigningState
 
 from . import state
+from .link_ids import section
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .warn import warn
 
@@ -30,8 +30,6 @@ RADIO_MESSAGES = frozenset((109, 166))
 
 # The signing states that have a key. There are no callbacks when one goes: in a signal handler their exceptions get lost.
 _with_key: list[ref[Any]] = []
-# For them, and for the number of the next link. What runs when an object goes may set up signing, too.
-_section = Section()
 
 
 def signing_timestamp(unix_seconds: float) -> int:
@@ -133,8 +131,9 @@ def _forget_key(signing: Any) -> None:
 
 
 def _next_link_id() -> int:
-    number = state.global_link_id
-    state.global_link_id = min(number + 1, MAX_LINK_ID)
+    with section:
+        number = state.global_link_id
+        state.global_link_id = min(number + 1, MAX_LINK_ID)
     return number
 
 
@@ -146,14 +145,14 @@ def _own_link_id(claim: Callable[[int], bool]) -> int:
         if number == MAX_LINK_ID:
             _say_shared(number)
             break
-        number = _section.run(_next_link_id)
+        number = _next_link_id()
     return number
 
 
 def _number(link_id: int | None, claim: Callable[[int], bool] | None) -> Any:
     """The link id that was asked for, or the next one."""
     if link_id is None:
-        return _section.run(_next_link_id) if claim is None else _own_link_id(claim)
+        return _next_link_id() if claim is None else _own_link_id(claim)
     if claim is not None and not claim(link_id):
         _say_shared(link_id)
     return link_id
@@ -236,7 +235,8 @@ class Signing:
 
     def _begin_signing(self, arguments: tuple[Any, ...]) -> None:
         """Use what was `prepared`, which cannot fail: half a set-up would send with timestamps used before."""
-        _section.run(_set_up, self.mav.signing, arguments)
+        with section:
+            _set_up(self.mav.signing, arguments)
 
     def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
         """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.
@@ -257,4 +257,5 @@ class Signing:
 
     def disable_signing(self) -> None:
         """Forget the key and send unsigned; counters and known streams stay."""
-        _section.run(_forget_key, self.mav.signing)
+        with section:
+            _forget_key(self.mav.signing)

@@ -107,8 +107,6 @@ mod _native {
     #[pymodule_export]
     use crate::sync::exclusive::Exclusive;
     #[pymodule_export]
-    use crate::sync::section::Section;
-    #[pymodule_export]
     use crate::tables::align::align_tables;
     #[pymodule_export]
     use crate::tables::column_view::ColumnView;

@@ -3,7 +3,6 @@
 pub(crate) mod exclusive;
 pub(crate) mod gil_yield;
 pub(crate) mod lock;
-pub(crate) mod section;
 pub(crate) mod shared;
 pub(crate) mod slot;
 pub(crate) mod thread_lock;

@@ -23,13 +23,13 @@ from mavwire._native import (
     DescriptorPort,
     Exclusive,
     PortError,
-    Section,
     StreamWriter,
     TlsPort,
     close_port,
 )
 from mavwire.dialects.v20 import all as all_messages
 from mavwire.links import signing
+from mavwire.links.link_ids import section
 from mavwire.links.signing import prepared
 from mavwire.links.timestamp_store import TimestampStore
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
@@ -240,12 +240,19 @@ def test_no_timestamp_store_is_left_open_by_interrupts(interrupted: Any, tmp_pat
     assert store.load() == last
 
 
-def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:
-    turn, section = Exclusive(), Section()
+def test_turns_are_free_after_interrupts(interrupted: Any) -> None:
+    turn = Exclusive()
     interrupted(lambda: turn.run(int))
     assert not turn.locked()
-    interrupted(lambda: section.run(int))
-    thread = threading.Thread(target=section.run, args=[int])
+
+
+def test_the_section_is_free_after_interrupts(interrupted: Any) -> None:
+    def enter() -> None:
+        with section:
+            pass
+
+    interrupted(enter)
+    thread = threading.Thread(target=enter)
     thread.start()
     thread.join(WAIT)
     assert not thread.is_alive()

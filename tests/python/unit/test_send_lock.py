@@ -8,11 +8,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from mavwire import mavutil
-from mavwire._native import Section
 from mavwire.dialects.v20 import common
 from unit.link_tools import heartbeat
 
@@ -181,44 +181,36 @@ def test_who_is_left_the_lock_takes_it_before_a_signal_handler_runs(threads: Any
     def handle(*_: object) -> None:
         raise Stop
 
-    section, has_it, done = Section(), threading.Event(), []
+    device, has_it, frames = SimpleNamespace(), threading.Event(), []
+    mav = common.MAVLink(device)
 
-    def hold() -> None:
+    def hold(frame: bytes) -> None:
+        device.write = frames.append  # which runs no Python code, and so no handler
         has_it.set()
         time.sleep(0.1)  # until the main thread waits, which nobody can see
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
+    device.write = hold
     before, interval = signal.signal(signal.SIGINT, handle), sys.getswitchinterval()
-    sys.setswitchinterval(10.0)  # from the signal to the end of the section no other thread runs
+    sys.setswitchinterval(10.0)  # from the signal to the end of the write no other thread runs
     try:
-        threads(section.run, hold)
+        threads(send, mav)
         with pytest.raises(Stop):
             has_it.wait(WAIT)
-            section.run(done.append, True)
+            send(mav)
     finally:
         sys.setswitchinterval(interval)
         signal.signal(signal.SIGINT, before)
-    assert done == [True]
+    assert numbers(frames) == [1]
 
 
-def in_section() -> tuple[Callable[[], object], Held]:
-    section, held = Section(), Held()
-    return lambda: section.run(held.write, b""), held
-
-
-def in_send() -> tuple[Callable[[], object], Held]:
-    mav = common.MAVLink(held := Held())
-    return lambda: send(mav), held
-
-
-@pytest.mark.parametrize("make", [in_section, in_send])
-def test_a_signal_handler_may_wait_for_who_has_the_lock(make: Any, threads: Any) -> None:
+def test_a_signal_handler_may_wait_for_who_has_the_lock(threads: Any) -> None:
     """The thread in whose wait for the lock the handler runs does not get it meanwhile."""
-    act, held = make()
+    mav = common.MAVLink(held := Held())
 
     def work() -> None:
         for _ in range(300):
-            act()
+            send(mav)
 
     worker = threads(work)
     assert held.inside.wait(WAIT)
@@ -241,7 +233,7 @@ def test_a_signal_handler_may_wait_for_who_has_the_lock(make: Any, threads: Any)
     before = signal.signal(signal.SIGINT, handle)
     interrupter = threads(interrupt)
     is_waiting = True
-    act()
+    send(mav)
     interrupter.join(WAIT)
     signal.signal(signal.SIGINT, before)
     assert ended == [True]
