@@ -174,7 +174,7 @@ impl MAVLink {
 
     /// Whether frames have to be shown to signing.
     pub(crate) fn checks_signatures(&self, py: Python<'_>) -> bool {
-        self.signing(py).is_some_and(|signing| signing.get().has_key())
+        self.signing.is_some_and(py, |signing| signing.get().has_key())
     }
 
     /// Whether each message is shown: to a callback, or to a subclass's own `decode`.

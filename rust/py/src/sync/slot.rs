@@ -27,6 +27,12 @@ impl<T> Slot<T> {
         cfg!(Py_GIL_DISABLED) || self.0.lock(py).as_ref().is_some_and(|value| references(value) > 1)
     }
 
+    /// Whether there is an object of which `is` holds. `is` must not run Python code.
+    #[inline]
+    pub(crate) fn is_some_and(&self, py: Python<'_>, is: impl FnOnce(&Py<T>) -> bool) -> bool {
+        self.0.lock(py).as_ref().is_some_and(is)
+    }
+
     pub(crate) fn set(&self, value: Option<Py<T>>) {
         // The old value is dropped after the lock is released: its destructor may run Python code.
         let old = Python::attach(|py| std::mem::replace(&mut *self.0.lock(py), value));
