@@ -1,6 +1,7 @@
 //! Payload bytes to Python values.
 
 use mavwire_core::codec::{self, Number};
+use mavwire_core::text::write_bytes_text;
 use mavwire_schema::{Field, FieldType};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -33,16 +34,9 @@ pub(crate) fn field_raw<'py>(
 
 /// Text before the first NUL; each byte that is not ASCII becomes U+FFFD.
 pub(crate) fn text<'py>(py: Python<'py>, raw: &[u8]) -> Bound<'py, PyString> {
-    let end = memchr::memchr(0, raw).unwrap_or(raw.len());
-    let raw = &raw[..end];
-    match std::str::from_utf8(raw) {
-        Ok(ascii) if raw.is_ascii() => PyString::new(py, ascii),
-        _ => {
-            let replaced: String =
-                raw.iter().map(|&b| if b.is_ascii() { b as char } else { '\u{FFFD}' }).collect();
-            PyString::new(py, &replaced)
-        }
-    }
+    let mut text = String::new();
+    write_bytes_text(&mut text, raw);
+    PyString::new(py, &text)
 }
 
 /// One number. Bytes beyond the end of the payload are zero.
