@@ -6,7 +6,12 @@ from .web_server import WebServer, web
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from typing import Any
+
+    _Entries = list[tuple[dict[str, Any], dict[str, Any]]]
+    # Name, kind, help text, samples with their labels.
+    _Family = tuple[str, str, str, list[tuple[dict[str, Any], Any]]]
 
 PREFIX = "mavwire_bridge"
 # Key of `Bridge.stats()["links"]` -> what it counts.
@@ -55,43 +60,61 @@ SINK_COUNTERS = {
 def prometheus(stats: dict[str, Any]) -> str:
     """Statistics in Prometheus' text format."""
     lines: list[str] = []
-
-    def family(name: str, kind: str, text: str, samples: list[tuple[dict[str, str], Any]]) -> None:
+    for name, kind, text, samples in _families(stats):
         lines.append(f"# HELP {PREFIX}_{name} {text}")
         lines.append(f"# TYPE {PREFIX}_{name} {kind}")
         for labels, value in samples:
-            inner = ",".join(f'{key}="{_escaped(text)}"' for key, text in labels.items())
-            lines.append(
-                f"{PREFIX}_{name}{{{inner}}} {value}" if inner else f"{PREFIX}_{name} {value}"
-            )
+            inner = ",".join(f'{key}="{_escaped(str(label))}"' for key, label in labels.items())
+            lines.append(f"{PREFIX}_{name}{f'{{{inner}}}' if inner else ''} {value}")
+    return "\n".join(lines) + "\n"
 
-    family("uptime_seconds", "gauge", "seconds since the start", [({}, stats["uptime"])])
-    links = [({"link": one["name"], "peer": one["peer"] or ""}, one) for one in stats["links"]]
-    for key, text in LINK_COUNTERS.items():
-        family(f"link_{key}_total", "counter", text, [(who, one[key]) for who, one in links])
-    family("link_queued_bytes", "gauge", "bytes that wait to be sent",
-           [(who, one["queued_bytes"]) for who, one in links])  # fmt: skip
-    family("link_up", "gauge", "1 if the link is connected or listening",
-           [(who, int(one["state"] in ("up", "listening"))) for who, one in links])  # fmt: skip
-    overruns = [(who, one["overrun"]) for who, one in links if one["overrun"] is not None]
-    family("link_overrun_total", "counter", "datagrams that the system dropped unread", overruns)
-    family("link_latency_seconds", "summary", "from a frame's arrival to its leaving over the link",
-           [({**who, "quantile": quantile}, one["latency"][key]) for who, one in links
-            for key, quantile in QUANTILES.items() if one["latency"][key] is not None])  # fmt: skip
+
+def _families(stats: dict[str, Any]) -> Iterator[_Family]:
+    yield "uptime_seconds", "gauge", "seconds since the start", [({}, stats["uptime"])]
+    yield from _link_families(
+        [({"link": one["name"], "peer": one["peer"] or ""}, one) for one in stats["links"]]
+    )
     components = [
-        ({"system": str(one["system"]), "component": str(one["component"])}, one)
+        ({"system": one["system"], "component": one["component"]}, one)
         for one in stats["components"]
     ]
-    for key, text in COMPONENT_COUNTERS.items():
-        samples = [(who, one[key]) for who, one in components]
-        family(f"component_{key}_total", "counter", text, samples)
-    recording = stats["recording"]
-    for key, text in RECORDING_COUNTERS.items() if recording else ():
-        family(f"recording_{key}_total", "counter", text, [({}, recording[key])])
-    sinks = [({"sink": one["name"]}, one) for one in stats["sinks"]]
-    for key, text in SINK_COUNTERS.items():
-        family(f"sink_{key}_total", "counter", text, [(who, one[key]) for who, one in sinks])
-    return "\n".join(lines) + "\n"
+    yield from _counters("component", COMPONENT_COUNTERS, components)
+    if stats["recording"]:
+        yield from _counters("recording", RECORDING_COUNTERS, [({}, stats["recording"])])
+    yield from _counters(
+        "sink", SINK_COUNTERS, [({"sink": one["name"]}, one) for one in stats["sinks"]]
+    )
+
+
+def _link_families(links: _Entries) -> Iterator[_Family]:
+    yield from _counters("link", LINK_COUNTERS, links)
+    yield (
+        "link_unknown_total", "counter", "frames that the dialect does not define",
+        [({**who, "id": kind["id"], "crc_extra": kind["crc_extra"]}, kind["frames"])
+         for who, one in links for kind in one["unknown"]],
+    )  # fmt: skip
+    yield (
+        "link_queued_bytes", "gauge", "bytes that wait to be sent",
+        [(who, one["queued_bytes"]) for who, one in links],
+    )  # fmt: skip
+    yield (
+        "link_up", "gauge", "1 if the link is connected or listening",
+        [(who, int(one["state"] in ("up", "listening"))) for who, one in links],
+    )  # fmt: skip
+    yield (
+        "link_overrun_total", "counter", "datagrams that the system dropped unread",
+        [(who, one["overrun"]) for who, one in links if one["overrun"] is not None],
+    )  # fmt: skip
+    yield (
+        "link_latency_seconds", "summary", "from a frame's arrival to its leaving over the link",
+        [({**who, "quantile": quantile}, one["latency"][key]) for who, one in links
+         for key, quantile in QUANTILES.items() if one["latency"][key] is not None],
+    )  # fmt: skip
+
+
+def _counters(prefix: str, counters: dict[str, str], entries: _Entries) -> Iterator[_Family]:
+    for key, text in counters.items():
+        yield f"{prefix}_{key}_total", "counter", text, [(who, one[key]) for who, one in entries]
 
 
 def _escaped(text: str) -> str:

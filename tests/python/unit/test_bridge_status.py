@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 from mavwire.cli._values import factor, size
 from mavwire.cli.bridge import _bridge_warnings
-from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows
+from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows, unknown
 from mavwire.cli.bridge.bridge import _watch, listen_address
 from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from mavwire.bridge.sinks import Sink
     from mavwire.cli.bridge._bridge_warnings import DropWarnings
 
-LINK = {
+LINK: dict[str, Any] = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
-    "dropped": 1, "duplicates": 2, "junk_bytes": 3, "overrun": None,
+    "dropped": 1, "duplicates": 2, "junk_bytes": 3, "overrun": None, "unknown": [],
     "latency": {"p50": 0.001, "p99": 0.0015, "p99.9": None},
 }  # fmt: skip
 COMPONENT = {
@@ -61,6 +61,18 @@ def test_rows_show_what_is_wrong() -> None:
     (row,) = link_rows(now, NOTHING)
     assert row[:4] == ["  10.0.0.1:5", "connecting", "50", "25"]
     assert link_errors(now) == ["gcs 10.0.0.1:5: Connection refused"]
+
+
+def test_messages_that_the_dialect_does_not_define_are_told() -> None:
+    kinds = [
+        {"id": 180, "crc_extra": 5, "frames": 17},
+        {"id": None, "crc_extra": None, "frames": 2},
+    ]
+    assert unknown(stats(2.0, unknown=kinds)) == [
+        "gcs: 19 messages that the dialect does not define (17 of id 180 with CRC_EXTRA 5, 2 of other kinds): "
+        "name a dialect or an XML file that does"
+    ]
+    assert unknown(stats(2.0)) == []
 
 
 def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None:

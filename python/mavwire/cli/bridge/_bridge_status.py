@@ -11,6 +11,7 @@ from mavwire._signals import handled
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli.bridge._bridge_warnings import full_name, losses
+from mavwire.logs.unknown import named, unknown_text
 
 if TYPE_CHECKING:
     from mavwire.bridge import Bridge
@@ -91,7 +92,7 @@ class StatusTable:
 
         before, self._before = self._before, stats
         width = self._console.width
-        lines = [*link_errors(stats), *(loss.line for loss in losses(stats))]
+        lines = [*link_errors(stats), *unknown(stats), *(loss.line for loss in losses(stats))]
         return Group(
             *_table(LINK_COLUMNS, link_rows(stats, before), 2, width),
             *(Text(printable(line)) for line in lines),
@@ -166,6 +167,19 @@ def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
 def link_errors(stats: dict[str, Any]) -> list[str]:
     """A line for each link and peer that has trouble: beside the numbers there is no room for it."""
     return [f"{full_name(one)}: {one['error']}" for one in stats["links"] if one["error"]]
+
+
+def unknown(stats: dict[str, Any]) -> list[str]:
+    """A line for each link and peer with frames that the dialect does not define."""
+    lines = []
+    for one in stats["links"]:
+        counts: dict[tuple[int, int] | None, int] = {}
+        for kind in one["unknown"]:
+            key = None if kind["id"] is None else (kind["id"], kind["crc_extra"])
+            counts[key] = kind["frames"]
+        if counts:
+            lines.append(f"{full_name(one)}: {unknown_text(named(counts))}")
+    return lines
 
 
 def component_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
