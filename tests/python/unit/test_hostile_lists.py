@@ -95,16 +95,12 @@ def test_frames_messages_and_systems_of_a_bridge(core: Any) -> None:
 @pytest.mark.parametrize(
     ("part", "name", "item"),
     [
-        ("inbound", "allow_messages", 1),
-        ("inbound", "block_messages", 1),
-        ("outbound", "allow_systems", 1),
-        ("outbound", "block_systems", 1),
-        ("outbound", "allow_components", 1),
-        ("outbound", "block_components", 1),
         ("border", "key", 1),
         ("border", "unsigned", 1),
         (None, "message_rates", (1, 1.0)),
         (None, "urgent", 1),
+        (None, "inbound", (True, "messages", [1])),
+        (None, "outbound", (False, "systems", [1])),
     ],
 )
 def test_options_of_a_link(core: Any, part: str | None, name: str, item: object) -> None:
@@ -117,6 +113,11 @@ def test_options_of_a_link(core: Any, part: str | None, name: str, item: object)
             core.add(replace(link, **{part: replace(getattr(link, part), **{name: value})}))
 
     refuses(add, item)
+
+
+def test_lists_of_a_filter(core: Any) -> None:
+    link = options.EndpointOptions("a", options.Endpoint("udpin", "127.0.0.1"))
+    refuses(lambda ids: core.add(replace(link, inbound=[(True, "messages", ids)])), 1)
 
 
 def test_options_as_programs_give_them() -> None:
