@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+from collections import Counter
+from contextlib import contextmanager
 
 from mavwire.dialects import UPSTREAM
 
@@ -13,10 +15,10 @@ from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
 from .sidecars import Listen, SinkOptions, listen_from, sink_from
-from .toml_lines import MAX_DOTS, key_lines, too_dotted
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from typing import Any
 
 # No configuration is longer; a path that leads to something else by mistake is not read whole.
@@ -54,7 +56,7 @@ class _Toml:
     def __init__(self, name: str, text: str) -> None:
         self._name = name
         self._content = _content(name, text)
-        self._lines = key_lines(text)
+        self._lines = _key_lines(text)
 
     def config(self) -> Config:
         content, config = self._content, Config(path=self._name)
@@ -95,28 +97,30 @@ class _Toml:
         line = next((self._lines[path[:n]] for n in ends if path[:n] in self._lines), None)
         return self._name if line is None else f"{self._name}:{line}"
 
-    def _recording(self, record: Any) -> Recording:
+    @contextmanager
+    def _named(self, title: str, *path: str | int) -> Iterator[None]:
+        """Errors inside begin with the place of their option, and with a title."""
         try:
+            yield
+        except ConfigError as error:
+            raise error.at(f"{self._place(*path, error.option)}: {title}") from None
+
+    def _recording(self, record: Any) -> Recording:
+        with self._named("record", "record"):
             if not isinstance(record, dict) or "directory" not in record:
                 raise ConfigError("it needs a directory")
             only_known(record, ("directory", "max_bytes", "max_age", "flush_interval"))
             return Recording(**record)
-        except ConfigError as error:
-            raise error.at(f"{self._place('record', error.option)}: record") from None
 
     def _listen(self, name: str) -> Listen | None:
-        try:
+        with self._named(name, name):
             place = f"{self._place(name, 'listen')}: {name}"
             return listen_from(self._content[name], place) if name in self._content else None
-        except ConfigError as error:
-            raise error.at(f"{self._place(name, error.option)}: {name}") from None
 
     def _sink(self, number: int, table: Any) -> SinkOptions:
         title = f"sink {number + 1}"
-        try:
+        with self._named(title, "sink", number):
             return sink_from(table, f"{self._place('sink', number, 'address')}: {title}")
-        except ConfigError as error:
-            raise error.at(f"{self._place('sink', number, error.option)}: {title}") from None
 
     def _add(self, config: Config, number: int, link: Any) -> None:
         title = f"link {number + 1}"
@@ -146,10 +150,6 @@ def _line(error: ValueError, text: str) -> int:
 def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
-    if (line := too_dotted(text)) is not None:
-        raise ConfigError(
-            f"{name}:{line}: a key of more than {MAX_DOTS} dots; no option has so many parts"
-        )
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -158,3 +158,24 @@ def _content(name: str, text: str) -> dict[str, Any]:
         raise ConfigError(f"{name}:{_line(error, text)}: {error}") from None
     except ValueError:  # what int() says is nothing that a user can act upon
         raise ConfigError(f"{name}: a number has thousands of digits") from None
+
+
+def _key_lines(text: str) -> dict[tuple[str | int, ...], int]:
+    """The line of each key and table by its path, such as `("link", 1, "endpoint")` for the second [[link]].
+
+    `tomllib` does not tell it. Keys within a value, as of an inline table, are not among them.
+    """
+    lines: dict[tuple[str | int, ...], int] = {}
+    counts: Counter[str] = Counter()
+    table: tuple[str | int, ...] = ()
+    for number, line in enumerate(text.splitlines(), 1):
+        if header := re.match(r"\s*(\[\[?)\s*([\w.-]+)\s*\]", line):
+            first, *rest = header[2].split(".")
+            counts[first] += header[1] == "[[" and not rest
+            table = (first, counts[first] - 1, *rest) if counts[first] else (first, *rest)
+            lines.setdefault(table, number)
+        elif key := re.match(r"""\s*["']?([\w.-]+)["']?\s*=""", line):
+            names = key[1].split(".")
+            lines.setdefault((*table, names[0]), number)
+            lines.setdefault((*table, *names), number)
+    return lines
