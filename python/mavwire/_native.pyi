@@ -181,6 +181,13 @@ class Dialect:
         """
 
     @staticmethod
+    def merged(first: Dialect, others: list[Dialect]) -> Dialect:
+        """One dialect of several: the first that knows a message id names it.
+
+        DefinitionError for too many messages.
+        """
+
+    @staticmethod
     def names() -> list[str]:
         """Names of the built-in dialects."""
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .config import Config
     from .sinks import Sink
 
+    Dialect = str | os.PathLike[str] | ModuleType
+
 
 class Kind(NamedTuple):
     """A message from a component: how many came, and time and link of the last one."""
@@ -58,9 +60,10 @@ class Bridge:
     `links` are endpoints (`"udpin:0.0.0.0:14550"`) or `EndpointOptions`; `record` a directory for
     telemetry logs or a `Recording`. `dedup`: copies that arrive over another link within so many
     seconds are dropped, 0 for none. `max_age`: how long a system is known at a link after it was
-    heard. `sniffer_sysid`: links where this system is heard get every frame. `dialect`: where the
-    targets of messages stand. `source_system` and `source_component`: who `send` sends as; with a
-    ground station at 255/190, where most are, say another one, or it gets none of that.
+    heard. `sniffer_sysid`: links where this system is heard get every frame. `dialect`: the
+    definitions of messages, or several dialects: the first that knows an id names it.
+    `source_system` and `source_component`: who `send` sends as; with a ground station at 255/190,
+    where most are, say another one, or it gets none of that.
 
     ConfigError (a ValueError) for an option; `start` opens what they name.
     """
@@ -73,11 +76,11 @@ class Bridge:
         dedup: float = 0.5,
         max_age: float = 60.0,
         sniffer_sysid: int = 0,
-        dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+        dialect: Dialect | list[Dialect] = UPSTREAM,
         source_system: int = 255,
         source_component: int = 190,
     ) -> None:
-        self.dialect: Any = _module(dialect)
+        self.dialect: Any = _merged(dialect)
         self._settings = Settings(dedup, max_age, sniffer_sysid)
         self._recording = (
             record if record is None or isinstance(record, Recording) else Recording(record)
@@ -331,10 +334,15 @@ def _core_class() -> type[BridgeCore]:
     return BridgeCore
 
 
-def _module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
+def _merged(dialect: Dialect | list[Dialect]) -> Any:
+    from mavwire.dialects import merged
     from mavwire.logs.dialect import dialect_module
 
     try:
-        return dialect_module(dialect)
+        if not isinstance(dialect, list):
+            return dialect_module(dialect)
+        if not dialect:
+            raise ValueError("name one at least")
+        return merged([dialect_module(one) for one in dialect])
     except ValueError as error:
         raise ConfigError(f"dialect: {error}", "dialect") from None

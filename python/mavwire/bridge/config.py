@@ -24,7 +24,8 @@ class Config:
     """Place of a link ("" for the bridge itself) and name of an option -> place of the option."""
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
-    dialect: str = UPSTREAM
+    dialect: Any = UPSTREAM
+    """A dialect, or a list of several."""
     json: float | None = None
     """Seconds between two lines of counters that `mavwire bridge` prints."""
     http: Listen | None = None

@@ -70,10 +70,9 @@ class _Toml:
                 if option in content:
                     config.settings[option] = content[option]
             Settings(**config.settings)
-            config.dialect = content.get("dialect", UPSTREAM)
-            if not isinstance(config.dialect, str):
-                reason = f"dialect must be a text, not {config.dialect!r}"
-                raise ConfigError(reason, "dialect")
+            dialect = content.get("dialect", UPSTREAM)
+            names = dialect if isinstance(dialect, list) else [dialect]
+            config.dialect = [text("dialect", name) for name in names]
             if "json" in content:
                 config.json = seconds("json", content["json"], least=1e-3)
             for option in ("link", "sink"):

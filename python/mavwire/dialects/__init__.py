@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-__all__ = ["UPSTREAM", "load", "names", "populate", "populate_builtin"]
+    from mavwire._native import Dialect
+
+__all__ = ["UPSTREAM", "load", "merged", "names", "populate", "populate_builtin"]
 
 UPSTREAM = "upstream"
 """The dialect with every message of mavlink/mavlink and ArduPilot/mavlink: the default of all that pymavlink lacks."""
@@ -85,24 +87,40 @@ def load(
     so that its messages can be pickled within the process; loading the same name again replaces it there. Raises
     ``OSError`` for a file that cannot be read and ``DefinitionError`` naming file, line and reason.
     """
+    from mavwire._native import DefinitionError, Dialect
+    from mavwire.dialects import _sources
+
+    main, sources = _sources.collect(path, name)
+    try:
+        native = Dialect.from_sources(main, sources, wire_protocol)
+    except DefinitionError as error:
+        raise DefinitionError(_sources.told_of(error, path, main)) from None
+    return _loaded(native, main)
+
+
+def merged(modules: list[ModuleType]) -> ModuleType:
+    """One dialect of several, which is entered in ``sys.modules`` like those of :func:`load`.
+
+    The first that knows a message id names it. The layouts that the others have for it are known by their ``CRC_EXTRA``.
+    """
+    from mavwire._native import Dialect
+
+    first, *others = (module.MAVLink(None)._dialect for module in modules)
+    name = "_".join(module.DIALECT for module in modules)
+    return _loaded(Dialect.merged(first, others), name) if others else modules[0]
+
+
+def _loaded(native: Dialect, name: str) -> ModuleType:
     import sys
     from types import ModuleType
 
     from mavwire._hooks import make_replaceable
-    from mavwire._native import DefinitionError
-    from mavwire.dialects import _sources
+    from mavwire.dialects import _module
     from mavwire.dialects._replaced import DialectModule
 
-    main, sources = _sources.collect(path, name)
-    module = ModuleType(
-        f"mavwire.dialects.loaded.{main}", f"MAVLink dialect {main}, loaded at run time."
-    )
-    try:
-        populate(
-            module.__dict__, name=main, wire_protocol=wire_protocol, sources=sources, main=main
-        )
-    except DefinitionError as error:
-        raise DefinitionError(_sources.told_of(error, path, main)) from None
+    text = f"MAVLink dialect {name}, loaded at run time."
+    module = ModuleType(f"mavwire.dialects.loaded.{name}", text)
+    _module.fill(module.__dict__, native, name)
     make_replaceable(module, DialectModule)
     sys.modules[module.__name__] = module
     return module

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import signal
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from integration.processes import announced_ports, mavwire
 from mavwire import Bridge
+from mavwire.dialects import load
 from mavwire.dialects.v20 import all as mavlink
-from unit.bridge_tools import UDP, peers, receive, udp_peer, wait_until
+from unit.bridge_tools import LIMIT, UDP, peers, receive, report, udp_peer, wait_until
 from unit.link_tools import heartbeat
 
 CAMERA_FEEDBACK = 180
@@ -44,3 +53,114 @@ def test_frames_that_agree_on_another_definition_are_forwarded() -> None:
 
 def test_a_link_may_forward_all_of_them() -> None:
     assert forwarded(forward_unverified=True) == [foreign(number) for number in range(FRAMES)]
+
+
+# -- the command
+
+OTHER_UDP = "udpin:localhost:0"
+# The first three of another definition are lost.
+AGREEING, ALL = list(range(3, FRAMES)), list(range(FRAMES))
+KIND = {"id": CAMERA_FEEDBACK, "crc_extra": OTHER_CRC_EXTRA}
+VENDOR_XML = """<mavlink><messages><message id="180" name="VENDOR_FEEDBACK">
+<field type="uint8_t" name="index">Index.</field><field type="uint8_t" name="zero">0.</field>
+<field type="uint8_t" name="sixty">60.</field></message></messages></mavlink>"""
+
+
+def vendor(number: int) -> bytes:
+    """A frame of VENDOR_FEEDBACK."""
+    module: Any = load(VENDOR_XML)
+    message = module.MAVLink_vendor_feedback_message(number, 0, 60)
+    return bytes(message.pack(module.MAVLink(None, 1, 1), force_mavlink1=True))
+
+
+@pytest.fixture
+def vendor_xml(tmp_path: Path) -> str:
+    path = tmp_path / "vendor.xml"
+    path.write_text(VENDOR_XML)
+    return str(path)
+
+
+def through_command(frames: list[bytes], *arguments: str) -> tuple[list[int], list[Any]]:
+    """The numbers of the frames that `mavwire bridge` forwards, and what it could not name."""
+    with mavwire("bridge", *arguments, "--json", "1h") as (process, lines):
+        first, second = announced_ports(lines)
+        with udp_peer() as sender, udp_peer() as receiver:
+            sender.connect(("127.0.0.1", first))
+            receiver.connect(("127.0.0.1", second))
+            receiver.send(heartbeat(1, sysid=9))
+            receiver.settimeout(0.1)
+            for _ in range(int(LIMIT / 0.1)):
+                sender.send(heartbeat(0))
+                with suppress(TimeoutError):
+                    receive(receiver)
+                    break
+            receiver.settimeout(LIMIT)
+            for frame in frames:
+                sender.send(frame)
+            sender.send(heartbeat(2))
+            arrived = []
+            while (frame := receive(receiver)) != heartbeat(2):
+                if frame in frames:
+                    arrived.append(frames.index(frame))
+        process.send_signal(signal.SIGINT)
+        assert process.stdout is not None
+        stats = json.loads(process.stdout.read())
+        assert process.wait(LIMIT) == 0
+    return arrived, [kind for link in stats["links"] for kind in link["unknown"]]
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--dialect", "ardupilotmega"], AGREEING),
+        (["--dialect", "ardupilotmega", "--forward-unverified"], ALL),
+        (["--dialect", "minimal"], ALL),  # which does not have the id
+    ],
+)
+def test_the_command_forwards_and_counts_what_it_cannot_name(
+    options: list[str], expected: list[int]
+) -> None:
+    frames = [foreign(number) for number in range(FRAMES)]
+    arrived, unknown = through_command(frames, UDP, OTHER_UDP, *options)
+    assert (arrived, unknown) == (expected, [{**KIND, "frames": len(expected)}])
+
+
+@pytest.mark.parametrize("first", ["minimal", "ardupilotmega"])
+def test_the_command_takes_definitions_from_files(vendor_xml: str, first: str) -> None:
+    frames = [vendor(number) for number in range(FRAMES)]
+    options = ["--dialect", first, "--dialect", vendor_xml]
+    arrived, unknown = through_command(frames, UDP, OTHER_UDP, *options)
+    assert (arrived, unknown) == (ALL, [])
+
+
+def test_a_file_says_the_same(tmp_path: Path, vendor_xml: str) -> None:
+    config = tmp_path / "bridge.toml"
+    config.write_text(f"""
+dialect = ["ardupilotmega", "{vendor_xml}"]
+[[link]]
+endpoint = "{UDP}"
+forward_unverified = true
+[[link]]
+endpoint = "{OTHER_UDP}"
+""")
+    frames = [foreign(number) for number in range(FRAMES)]
+    frames += [vendor(number) for number in range(FRAMES)]
+    arrived, unknown = through_command(frames, "--config", str(config))
+    assert (arrived, unknown) == (list(range(2 * FRAMES)), [{**KIND, "frames": FRAMES}])
+
+
+def test_the_first_dialect_that_knows_an_id_names_it(vendor_xml: str) -> None:
+    with Bridge(dialect=["ardupilotmega", vendor_xml, "ASLUAV"]) as bridge:
+        feedback = mavlink.MAVLink_camera_feedback_message(0, 1, 2, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+        frames = bridge.frames(types=["CAMERA_FEEDBACK"])
+        bridge.send(feedback)
+        bridge.send(vendor(7))
+        names: list[str] = []
+        while len(names) < 2:
+            batch = frames.next(LIMIT)
+            assert batch is not None
+            names += [message.get_type() for message in batch]
+        assert names == ["CAMERA_FEEDBACK", "VENDOR_FEEDBACK"]
+        assert bridge._message_id("SENS_POWER") == 201
+        assert report(bridge, "program")["unknown"] == []
+        assert [kind.name for kind in bridge.kinds()] == ["CAMERA_FEEDBACK"]

@@ -56,7 +56,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--out", help="a link too: the word for a ground station's", **link)
     add("--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf")
     add = parser.add_argument_group("routing").add_argument
-    add("--dialect", metavar="NAME", help="dialect or XML file [default: upstream]")
+    add(
+        "--dialect", metavar="NAME", action="append",
+        help="dialect or XML file; may be repeated: the first that knows an id names it [default: upstream]",
+    )
     add(
         "--forward-unverified", action="store_true",
         help="let the links named here forward frames whose definition differs from the dialect's",
