@@ -165,7 +165,7 @@ struct Log {
 impl Log {
     /// A log that was not there before, named after the time.
     fn begin(directory: &Path) -> io::Result<Self> {
-        let name = utc_name(clock::unix_seconds() as u64);
+        let name = utc_name(clock::unix_seconds() as libc::time_t);
         for n in 0..MAX_TRIES {
             let suffix = if n == 0 { String::new() } else { format!("-{n}") };
             let path = directory.join(format!("{name}{suffix}.tlog"));
@@ -284,30 +284,14 @@ impl Writer {
 }
 
 /// A time as part of a file name, such as `20260131-235959`; UTC.
-fn utc_name(seconds: u64) -> String {
-    let (mut year, mut day) = (1970, seconds / 86_400);
-    let is_leap = |year: u64| {
-        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
-    };
-    loop {
-        let days = if is_leap(year) { 366 } else { 365 };
-        if day < days {
-            break;
-        }
-        day -= days;
-        year += 1;
-    }
-    let february = if is_leap(year) { 29 } else { 28 };
-    let mut month = 1;
-    for days in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if day < days {
-            break;
-        }
-        day -= days;
-        month += 1;
-    }
-    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
-    format!("{year:04}{month:02}{:02}-{hour:02}{minute:02}{second:02}", day + 1)
+fn utc_name(seconds: libc::time_t) -> String {
+    // SAFETY: all zero is a valid value for this structure.
+    let mut utc: libc::tm = unsafe { std::mem::zeroed() };
+    // SAFETY: both pointers are to values that live until the call returns. It keeps none of them.
+    unsafe { libc::gmtime_r(&raw const seconds, &raw mut utc) };
+    let (year, month, day) = (utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
+    let (hour, minute, second) = (utc.tm_hour, utc.tm_min, utc.tm_sec);
+    format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}")
 }
 
 #[cfg(test)]
