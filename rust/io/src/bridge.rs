@@ -47,6 +47,7 @@ pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
 pub use tap::Tap;
 
 use std::io::{self, Write as _};
+use std::ops::Range;
 use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -63,8 +64,8 @@ use switch::Switch;
 
 /// Commands that may wait; who has more waits too.
 const MAX_COMMANDS: usize = 1024;
-/// What the program sends becomes commands of so many bytes: 4 MiB may wait, and links wait for no more than the
-/// commands of a round.
+/// What the program sends becomes commands of whole frames with so many bytes: 4 MiB may wait, and links wait for no more
+/// than the commands of a round.
 const SENT_PIECE: usize = 4096;
 
 /// The number of errors to which the system gives none: an unknown name, a path that is not a device.
@@ -159,8 +160,6 @@ pub struct Bridge {
     registry: Arc<Registry>,
     waker: Waker,
     hub: Arc<Hub>,
-    /// Pieces of what two threads send do not mix.
-    sending: Mutex<()>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -188,8 +187,7 @@ impl Bridge {
             EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
         };
         let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
-        let (sending, thread) = (Mutex::new(()), Mutex::new(Some(thread)));
-        Ok(Self { registry, waker, hub, sending, thread })
+        Ok(Self { registry, waker, hub, thread: Mutex::new(Some(thread)) })
     }
 
     fn tell(&self, command: Command) -> Result<(), BridgeError> {
@@ -242,7 +240,7 @@ impl Bridge {
     /// The bridge has stopped, or something is no whole frame or has a wrong checksum; then none is sent.
     pub fn send(&self, frames: &[u8]) -> Result<(), BridgeError> {
         let (mut scanner, len) = (Scanner::new(Resync::Skip), frames.len());
-        let mut at = 0;
+        let (mut at, mut pieces) = (0, Vec::<Range<usize>>::new());
         while at < len {
             match scanner.next(&frames[at..], &self.registry) {
                 Found::Frame { len, .. } => at += len,
@@ -251,21 +249,15 @@ impl Bridge {
                 }
                 _ => return Err(BridgeError::NoFrame { at, len }),
             }
-        }
-        self.send_bytes(frames)
-    }
-
-    fn send_bytes(&self, mut frames: &[u8]) -> Result<(), BridgeError> {
-        self.hub()?; // the lock of a forked child may be held by a thread that it does not have
-        let _sending = self.sending.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            let (piece, rest) = frames.split_at(frames.len().min(SENT_PIECE));
-            self.tell(Command::Send { piece: piece.into(), is_last: rest.is_empty() })?;
-            if rest.is_empty() {
-                return Ok(());
+            match pieces.last_mut() {
+                Some(piece) if at - piece.start <= SENT_PIECE => piece.end = at,
+                last => {
+                    let start = last.map_or(0, |piece| piece.end);
+                    pieces.push(start..at);
+                }
             }
-            frames = rest;
         }
+        pieces.into_iter().try_for_each(|piece| self.tell(Command::Send(frames[piece].into())))
     }
 
     /// What came by.

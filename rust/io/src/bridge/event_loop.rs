@@ -52,11 +52,8 @@ pub(super) enum Command {
     Add(Box<LinkSpec>, Opened, SyncSender<Result<(), BridgeError>>),
     Remove(String, SyncSender<Result<(), BridgeError>>),
     Stats(SyncSender<(Stats, Heard)>),
-    /// A piece of what the program sends.
-    Send {
-        piece: Box<[u8]>,
-        is_last: bool,
-    },
+    /// Whole frames that the program sends.
+    Send(Box<[u8]>),
     /// A thread that dials has an answer.
     Dialled(u32, io::Result<Connection>),
     Stop,
@@ -398,11 +395,9 @@ impl EventLoop {
                 Command::Stats(answer) => {
                     let _ = answer.send(self.stats());
                 }
-                Command::Send { piece, is_last } => {
-                    self.feed(self.switch.program(), &piece);
-                    if is_last {
-                        self.switch.end(self.switch.program());
-                    }
+                Command::Send(frames) => {
+                    self.feed(self.switch.program(), &frames);
+                    self.switch.end(self.switch.program());
                 }
                 Command::Dialled(number, result) => self.dialled(number, result),
                 Command::Stop => return false,

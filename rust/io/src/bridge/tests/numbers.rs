@@ -99,35 +99,28 @@ fn a_datagram_that_begins_with_a_frame_ends_the_wait_for_another() {
 }
 
 #[test]
-fn what_is_sent_waits_in_pieces_and_those_of_two_threads_do_not_mix() {
+fn what_is_sent_waits_in_pieces_of_whole_frames() {
     let (commands, receiver) = sync_channel(MAX_COMMANDS);
     let (signal, _wake) = UnixStream::pair().unwrap();
     signal.set_nonblocking(true).unwrap();
     let waker = Waker { commands, signal: Arc::new(signal) };
-    let (hub, sending, thread) = (Arc::new(Hub::new()), Mutex::new(()), Mutex::new(None));
-    let registry = registry();
-    let bridge = Bridge { registry, waker, hub, sending, thread };
-    let len = 2 * SENT_PIECE * MAX_COMMANDS; // one thread alone has to wait
+    let (registry, hub, thread) = (registry(), Arc::new(Hub::new()), Mutex::new(None));
+    let bridge = Bridge { registry, waker, hub, thread };
+    let frame = heartbeat(1, 7);
+    let count = 2 * SENT_PIECE * MAX_COMMANDS / frame.len(); // so that it has to wait
     std::thread::scope(|scope| {
-        for byte in 1..=2 {
-            let bridge = &bridge;
-            scope.spawn(move || bridge.send_bytes(&vec![byte; len]).unwrap());
-        }
-        let next = || match receiver.recv_timeout(LIMIT) {
-            Ok(Command::Send { piece, is_last }) => (piece, is_last),
-            _ => panic!("nothing else is asked for"),
-        };
-        for _ in 0..2 {
-            let (mut got, mut is_whole) = (Vec::new(), false);
-            while !is_whole {
-                let piece;
-                (piece, is_whole) = next();
-                assert!(piece.len() <= SENT_PIECE);
-                got.extend_from_slice(&piece);
-            }
-            assert!(got.len() == len && got.iter().all(|byte| *byte == got[0]));
+        let (bridge, frames) = (&bridge, frame.repeat(count));
+        scope.spawn(move || bridge.send(&frames).unwrap());
+        let mut left = count;
+        while left > 0 {
+            let Ok(Command::Send(piece)) = receiver.recv_timeout(LIMIT) else {
+                panic!("nothing else is asked for")
+            };
+            assert!(piece.len() <= SENT_PIECE && piece.len().is_multiple_of(frame.len()));
+            left -= piece.len() / frame.len();
         }
     });
+    assert!(receiver.try_recv().is_err());
 }
 
 #[test]
