@@ -13,8 +13,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::bridge::batch::FrameBatch;
-use crate::bridge::options::{LinkOption, RecordingOption, SettingsOption, seconds};
-use crate::bridge::stats;
+use crate::bridge::options::seconds;
+use crate::bridge::{options, stats};
 use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
 use crate::python::error::{Error, Result};
@@ -64,11 +64,10 @@ impl BridgeCore {
     fn new(
         py: Python<'_>,
         dialect: Py<Dialect>,
-        settings: SettingsOption,
-        recording: Option<RecordingOption>,
+        #[pyo3(from_py_with = options::settings)] settings: Settings,
+        recording: Option<Bound<'_, PyAny>>,
     ) -> Result<Self> {
-        let settings: Settings = settings.into_settings()?;
-        let recording = recording.map(RecordingOption::into_recording).transpose()?;
+        let recording = recording.as_ref().map(options::recording).transpose()?;
         let registry = dialect.get().registry.clone();
         let where_to = recording.as_ref().map(|recording| recording.directory.clone());
         let bridge = py.detach(|| Bridge::start(registry, settings, recording));
@@ -80,8 +79,8 @@ impl BridgeCore {
     }
 
     /// Adds a link: `mavwire.bridge.options.EndpointOptions`.
-    fn add(&self, py: Python<'_>, link: LinkOption) -> Result<()> {
-        let spec = link.into_spec()?;
+    fn add(&self, py: Python<'_>, link: &Bound<'_, PyAny>) -> Result<()> {
+        let spec = options::link_spec(link)?;
         let open = interruptibly(py, move || spec.open())??;
         py.detach(|| self.bridge.attach(open)).map_err(Error::from)
     }
