@@ -42,7 +42,7 @@ impl DataflashFile {
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
         let stretch = chunk.max(FMT_LAYOUT_LEN);
         let mut window = FileWindow::in_chunks(path, stretch)?;
-        let len = window.len()?;
+        let len = window.size()?;
         let mut definitions = Definitions::new();
         let mut at = 0;
         while at < len {
@@ -57,13 +57,8 @@ impl DataflashFile {
     }
 
     /// Bytes of the file when it was opened.
-    pub fn len(&self) -> u64 {
+    pub fn size(&self) -> u64 {
         self.len
-    }
-
-    /// The file had no bytes.
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
     }
 
     /// The layouts of the records.

@@ -51,8 +51,8 @@ impl DataflashLog {
     /// Bytes of the file when it was opened.
     pub fn size(&self) -> u64 {
         match self {
-            Self::Binary(file) => file.len(),
-            Self::Text(file) => file.len(),
+            Self::Binary(file) => file.size(),
+            Self::Text(file) => file.size(),
         }
     }
 

@@ -82,7 +82,7 @@ impl LogReader {
     /// Those of opening and reading the file.
     pub fn open(path: &Path, framing: Framing, now: f64) -> io::Result<Self> {
         let window = FileWindow::open(path)?;
-        let size = window.len()?;
+        let size = window.size()?;
         let time = if framing == Framing::Stamped { now } else { 0.0 };
         Ok(Self {
             window,

@@ -80,7 +80,7 @@ impl TextLogFile {
     /// What the operating system says.
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
         let mut window = FileWindow::in_chunks(path, chunk)?;
-        let len = window.len()?;
+        let len = window.size()?;
         let (probe, longest) = (PROBE.min(chunk), MAX_LINE_LEN.min(chunk));
         let head = window.at(0, probe)?;
         let delimiter = Delimiter::of(&head[..head.len().min(probe)]);
@@ -112,13 +112,8 @@ impl TextLogFile {
     }
 
     /// Bytes of the file when it was opened.
-    pub fn len(&self) -> u64 {
+    pub fn size(&self) -> u64 {
         self.len
-    }
-
-    /// The file had no bytes.
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
     }
 
     /// What stands between values.

@@ -66,16 +66,8 @@ impl FileWindow {
     ///
     /// # Errors
     /// What the operating system says.
-    pub fn len(&self) -> io::Result<u64> {
+    pub fn size(&self) -> io::Result<u64> {
         Ok(self.file.metadata()?.len())
-    }
-
-    /// The file has no bytes now.
-    ///
-    /// # Errors
-    /// What the operating system says.
-    pub fn is_empty(&self) -> io::Result<bool> {
-        Ok(self.len()? == 0)
     }
 
     /// The bytes from `offset` on: `wanted` or more, fewer only where the file ends.
@@ -102,7 +94,7 @@ impl FileWindow {
     }
 
     fn left_from(&self, offset: u64) -> io::Result<usize> {
-        Ok(usize::try_from(self.len()?.saturating_sub(offset)).unwrap_or(usize::MAX))
+        Ok(usize::try_from(self.size()?.saturating_sub(offset)).unwrap_or(usize::MAX))
     }
 
     #[cold]
