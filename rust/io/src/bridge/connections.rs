@@ -3,16 +3,15 @@
 use std::collections::HashMap;
 use std::io;
 use std::net::{SocketAddr, TcpListener, UdpSocket};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use mavwire_core::peer_slots::{Origin, Slot, SlotHolder, slot_for};
 use mavwire_core::router::LinkId;
 
 use super::BridgeError;
-use super::endpoint::{Connection, LinkSpec, Opened, Stream};
+use super::endpoint::{LinkSpec, Opened, Stream, Wire};
 use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK, TURNS};
-use super::port::Wire;
 use super::stats::Departed;
 use crate::address::Address;
 use crate::error_text::in_words;
@@ -26,8 +25,7 @@ const FIRST_RETRY: u64 = 250_000;
 
 /// What a link has besides its ports.
 pub(super) enum Kind {
-    Datagrams(Rc<UdpSocket>, LinkId),
-    DatagramServer(Rc<UdpSocket>, HashMap<Address, LinkId>),
+    DatagramServer(Arc<UdpSocket>, HashMap<Address, LinkId>),
     Listener(TcpListener),
     Dialled(LinkId, Dialling),
 }
@@ -124,19 +122,13 @@ impl EventLoop {
         let mut add =
             |wire| self.switch.add(number, wire, &spec.port).ok_or(BridgeError::TooManyLinks);
         Ok(match opened {
-            Opened::Datagrams(socket, to) => {
-                let socket = Rc::new(socket);
-                let wire = Wire::Datagrams(Rc::clone(&socket), Some(to.into()));
-                Kind::Datagrams(socket, add(wire)?)
-            }
-            Opened::DatagramServer(socket) => Kind::DatagramServer(Rc::new(socket), HashMap::new()),
+            Opened::DatagramServer(socket) => Kind::DatagramServer(socket, HashMap::new()),
             Opened::Listener(listener) => Kind::Listener(listener),
-            Opened::Dialled(connection) => {
+            Opened::Dialled(wire) => {
                 let mut dialling = Dialling::new(spec.retry);
-                if connection.is_some() {
+                if !matches!(wire, Wire::Down) {
                     dialling.connected(now);
                 }
-                let wire = connection.map_or(Wire::Down, Wire::from);
                 Kind::Dialled(add(wire)?, dialling)
             }
         })
@@ -254,17 +246,17 @@ impl EventLoop {
     }
 
     /// What became of an attempt to connect.
-    pub(super) fn dialled(&mut self, number: u32, result: io::Result<Connection>) {
+    pub(super) fn dialled(&mut self, number: u32, result: io::Result<Wire>) {
         let now = self.switch.moment.now;
         let Some(link) = self.links.get_mut(&number) else { return };
         let Kind::Dialled(id, dialling) = &mut link.kind else { return };
         dialling.under_way = false;
         match result {
-            Ok(connection) => {
+            Ok(wire) => {
                 dialling.connected(now);
                 link.error = None;
                 if let Some(port) = self.switch.port(*id) {
-                    port.connect(connection);
+                    port.connect(wire);
                 }
             }
             Err(error) => {

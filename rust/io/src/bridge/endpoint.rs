@@ -7,12 +7,14 @@ use std::io::{self, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs as _, UdpSocket};
 use std::os::fd::{AsRawFd, RawFd};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use mavwire_core::router::LinkOptions;
 
 use super::automation::AutomationOptions;
 use super::{serial, socket_options};
+use crate::address::Address;
 
 /// How long a connection may take to come about.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
@@ -153,21 +155,16 @@ impl Stream {
     }
 }
 
-/// What dialling comes to.
+/// What a port's frames leave through.
 #[derive(Debug)]
-pub(super) enum Connection {
+pub(super) enum Wire {
+    /// Nothing now.
+    Down,
     Stream(Stream),
-    /// A socket with a peer, and with the address of this machine that leads there.
-    Datagrams(UdpSocket),
-}
-
-impl Connection {
-    pub(super) fn peer(&self) -> Option<SocketAddr> {
-        match self {
-            Self::Stream(stream) => stream.peer(),
-            Self::Datagrams(_) => None,
-        }
-    }
+    /// A socket, and the peer's address if the socket has no peer of its own; one that has is dialled again.
+    Datagrams(Arc<UdpSocket>, Option<Address>),
+    /// Nowhere: frames of the program around the bridge come in here.
+    Program,
 }
 
 impl AsRawFd for Stream {
@@ -182,13 +179,11 @@ impl AsRawFd for Stream {
 /// What adding a link opens.
 #[derive(Debug)]
 pub(super) enum Opened {
-    /// A socket with one port of the router behind it, and where its datagrams go.
-    Datagrams(UdpSocket, SocketAddr),
-    /// A socket with a port for each peer.
-    DatagramServer(UdpSocket),
+    /// A socket with a port of the router for each peer.
+    DatagramServer(Arc<UdpSocket>),
     Listener(TcpListener),
-    /// To be dialled; what is there already.
-    Dialled(Option<Connection>),
+    /// One port of the router, which is dialled again; what is there already.
+    Dialled(Wire),
 }
 
 impl Endpoint {
@@ -198,25 +193,25 @@ impl Endpoint {
             Self::Net { kind, host, port } => (*kind, host.as_str(), port),
             Self::Serial { path, baud, flow_control } => {
                 let file = serial::open(path, *baud, *flow_control)?;
-                return Ok(Opened::Dialled(Some(Connection::Stream(Stream::Serial(file)))));
+                return Ok(Opened::Dialled(Wire::Stream(Stream::Serial(file))));
             }
         };
         Ok(match kind {
             NetKind::UdpClient => match connect_datagrams(host, *port) {
                 // A network that is not there yet is no mistake.
-                Err(error) if is_way_gone(&error) => Opened::Dialled(None),
-                done => Opened::Dialled(Some(Connection::Datagrams(done?))),
+                Err(error) if is_way_gone(&error) => Opened::Dialled(Wire::Down),
+                done => Opened::Dialled(done?),
             },
             NetKind::UdpBroadcast => {
                 let to = resolve(host, *port)?[0];
                 let socket = prepared(UdpSocket::bind(any(to))?)?;
                 socket.set_broadcast(true)?;
-                Opened::Datagrams(socket, to)
+                Opened::Dialled(Wire::Datagrams(Arc::new(socket), Some(to.into())))
             }
             NetKind::UdpServer => {
                 let socket = prepared(UdpSocket::bind((host, *port))?)?;
                 *port = socket.local_addr()?.port();
-                Opened::DatagramServer(socket)
+                Opened::DatagramServer(Arc::new(socket))
             }
             NetKind::TcpServer => {
                 let listener = TcpListener::bind((host, *port))?;
@@ -225,24 +220,22 @@ impl Endpoint {
                 Opened::Listener(listener)
             }
             // A name that nobody knows is a mistake; a server that is not there yet is none.
-            NetKind::TcpClient => resolve(host, *port).map(|_| Opened::Dialled(None))?,
+            NetKind::TcpClient => resolve(host, *port).map(|_| Opened::Dialled(Wire::Down))?,
         })
     }
 
     /// Connects, however long that takes; `patience` as for [`Stream::tcp`].
-    pub(super) fn dial(&self, patience: Duration) -> io::Result<Connection> {
+    pub(super) fn dial(&self, patience: Duration) -> io::Result<Wire> {
         match self {
             Self::Serial { path, baud, flow_control } => serial::open(path, *baud, *flow_control)
-                .map(|file| Connection::Stream(Stream::Serial(file))),
+                .map(|file| Wire::Stream(Stream::Serial(file))),
             Self::Net { kind: NetKind::TcpClient, host, port } => {
                 first_of(host, *port, |address| {
                     let stream = TcpStream::connect_timeout(&address, CONNECT_TIMEOUT)?;
-                    Stream::tcp(stream, patience).map(Connection::Stream)
+                    Stream::tcp(stream, patience).map(Wire::Stream)
                 })
             }
-            Self::Net { host, port, .. } => {
-                connect_datagrams(host, *port).map(Connection::Datagrams)
-            }
+            Self::Net { host, port, .. } => connect_datagrams(host, *port),
         }
     }
 }
@@ -270,11 +263,11 @@ fn first_of<T>(
     Err(last)
 }
 
-fn connect_datagrams(host: &str, port: u16) -> io::Result<UdpSocket> {
+fn connect_datagrams(host: &str, port: u16) -> io::Result<Wire> {
     first_of(host, port, |to| {
         let socket = prepared(UdpSocket::bind(any(to))?)?;
         socket.connect(to)?;
-        Ok(socket)
+        Ok(Wire::Datagrams(Arc::new(socket), None))
     })
 }
 
@@ -308,7 +301,7 @@ mod tests {
         let endpoint = Endpoint::Net { kind: NetKind::TcpClient, host: "127.0.0.1".into(), port };
         for (patience, expected) in [(60_000, [60_000, 30, 10]), (250, [250, 1, 1])] {
             let connection = endpoint.dial(Duration::from_millis(patience)).unwrap();
-            let Connection::Stream(stream) = connection else { panic!("{connection:?}") };
+            let Wire::Stream(stream) = connection else { panic!("{connection:?}") };
             let option = |name| {
                 let (mut value, mut len) = (0, size_of::<libc::c_int>() as libc::socklen_t);
                 let place: *mut libc::c_int = &raw mut value;

@@ -8,7 +8,6 @@ use std::io::{self, Read as _};
 use std::net::UdpSocket;
 use std::os::fd::{AsRawFd as _, RawFd};
 use std::os::unix::net::UnixStream;
-use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
@@ -17,10 +16,9 @@ use mavwire_core::router::{LinkId, LinkSet};
 
 use super::automation::Automation;
 use super::connections::{Kind, Link};
-use super::endpoint::{Connection, LinkSpec, Opened};
+use super::endpoint::{LinkSpec, Opened, Wire};
 use super::hub::Hub;
 use super::pace::Pace;
-use super::port::Wire;
 use super::recorder::Recorder;
 use super::report::Heard;
 use super::stats::Stats;
@@ -55,7 +53,7 @@ pub(super) enum Command {
     /// Whole frames that the program sends.
     Send(Box<[u8]>),
     /// A thread that dials has an answer.
-    Dialled(u32, io::Result<Connection>),
+    Dialled(u32, io::Result<Wire>),
     Stop,
 }
 
@@ -193,7 +191,7 @@ impl EventLoop {
         add(self.wake.as_raw_fd(), libc::POLLIN, Token::Wake);
         for (&number, link) in &self.links {
             match &link.kind {
-                Kind::Datagrams(socket, _) | Kind::DatagramServer(socket, _) => {
+                Kind::DatagramServer(socket, _) => {
                     add(socket.as_raw_fd(), libc::POLLIN, Token::Link(number));
                 }
                 Kind::Listener(listener) if !link.resting => {
@@ -236,12 +234,8 @@ impl EventLoop {
     fn read_link(&mut self, number: u32) {
         let Some(link) = self.links.get(&number) else { return };
         match &link.kind {
-            Kind::Datagrams(socket, port) => {
-                let (socket, port) = (Rc::clone(socket), *port);
-                self.read_datagrams(&socket, |_, _, _| Some(port));
-            }
             Kind::DatagramServer(socket, _) => {
-                let socket = Rc::clone(socket);
+                let socket = Arc::clone(socket);
                 let socket = &socket;
                 self.read_datagrams(socket, |this, bytes, from| {
                     this.peer(number, socket, bytes, from)
@@ -291,7 +285,7 @@ impl EventLoop {
     fn peer(
         &mut self,
         number: u32,
-        socket: &Rc<UdpSocket>,
+        socket: &Arc<UdpSocket>,
         bytes: &[u8],
         from: Address,
     ) -> Option<LinkId> {
@@ -305,7 +299,7 @@ impl EventLoop {
             junk.junk_bytes += bytes.len() as u64;
             return None;
         }
-        let wire = Wire::Datagrams(Rc::clone(socket), Some(from));
+        let wire = Wire::Datagrams(Arc::clone(socket), Some(from));
         let id = self.welcome(number, wire, from.socket_addr())?;
         if let Kind::DatagramServer(_, peers) = &mut self.links.get_mut(&number)?.kind {
             peers.insert(from, id);
@@ -319,11 +313,11 @@ impl EventLoop {
         let Some(port) = self.switch.port(id) else { return };
         let stream = match &mut port.wire {
             Wire::Stream(stream) => stream,
-            Wire::Datagrams(socket, None) => {
-                let socket = Rc::clone(socket);
+            Wire::Datagrams(socket, _) => {
+                let socket = Arc::clone(socket);
                 return self.read_datagrams(&socket, |_, _, _| Some(id));
             }
-            Wire::Datagrams(..) | Wire::Down | Wire::Program => return,
+            Wire::Down | Wire::Program => return,
         };
         let mut buffer = std::mem::take(&mut self.buffer);
         match stream.read(&mut buffer) {

@@ -3,7 +3,7 @@
 use std::io;
 use std::net::UdpSocket;
 use std::os::fd::{AsRawFd as _, RawFd};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mavwire_core::border::Border;
 use mavwire_core::frame::Header;
@@ -16,34 +16,13 @@ use mavwire_core::stream::FrameStream;
 use mavwire_core::unknown::UnknownCounts;
 
 use super::automation::Automation;
-use super::endpoint::{Connection, PortSpec, Stream, is_way_gone};
+use super::endpoint::{PortSpec, Wire, is_way_gone};
 use super::outbox::Outbox;
 use super::send::{self, cannot_group, send_batch};
 use super::socket_options::overrun;
 use super::stats::Traffic;
 use super::switch::Moment;
 use crate::address::Address;
-
-/// What a port's frames leave through.
-#[derive(Debug)]
-pub(super) enum Wire {
-    /// Nothing now.
-    Down,
-    Stream(Stream),
-    /// A socket, and the peer's address if the socket has no peer of its own; one that has is dialled again.
-    Datagrams(Rc<UdpSocket>, Option<Address>),
-    /// Nowhere: frames of the program around the bridge come in here.
-    Program,
-}
-
-impl From<Connection> for Wire {
-    fn from(connection: Connection) -> Self {
-        match connection {
-            Connection::Stream(stream) => Self::Stream(stream),
-            Connection::Datagrams(socket) => Self::Datagrams(Rc::new(socket), None),
-        }
-    }
-}
 
 /// Whether a peer has proved that it speaks MAVLink, with the key where one is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -171,7 +150,8 @@ impl Port {
     pub(super) fn own_fd(&self) -> Option<RawFd> {
         match &self.wire {
             Wire::Stream(stream) => Some(stream.as_raw_fd()),
-            Wire::Datagrams(socket, None) => Some(socket.as_raw_fd()),
+            // Peers of a server share its socket.
+            Wire::Datagrams(socket, _) if self.origin.is_none() => Some(socket.as_raw_fd()),
             Wire::Datagrams(..) | Wire::Down | Wire::Program => None,
         }
     }
@@ -196,7 +176,7 @@ impl Port {
                 self.blocked = !self.outbox.write_to(|bytes| stream.write(bytes), clock)?;
             }
             Wire::Datagrams(socket, to) => {
-                let (socket, to) = (Rc::clone(socket), *to);
+                let (socket, to) = (Arc::clone(socket), *to);
                 self.blocked = !self.flush_datagrams(&socket, to, clock)?;
             }
             Wire::Down | Wire::Program => {}
@@ -238,10 +218,11 @@ impl Port {
     }
 
     /// Has a connection that came about.
-    pub(super) fn connect(&mut self, connection: Connection) {
-        self.peer = connection.peer().map(|peer| peer.to_string());
+    pub(super) fn connect(&mut self, wire: Wire) {
+        let address = if let Wire::Stream(stream) = &wire { stream.peer() } else { None };
+        self.peer = address.map(|peer| peer.to_string());
         self.grouped = true;
-        self.wire = connection.into();
+        self.wire = wire;
     }
 
     /// Has none any more.
@@ -305,7 +286,7 @@ mod tests {
         let socket = || UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let (unread, sender) = (socket(), socket());
         sender.connect(unread.local_addr().unwrap()).unwrap();
-        let wire = Connection::Datagrams(unread).into();
+        let wire = Wire::Datagrams(Arc::new(unread), None);
         let mut port = Port::new(LinkId(0), 1, wire, &PortSpec::default(), None, 0);
         while port.overrun() == Some(0) {
             sender.send(&[0; 1_000]).unwrap();
@@ -314,7 +295,7 @@ mod tests {
         assert!(lost > Some(0));
         port.disconnect();
         assert_eq!(port.overrun(), lost);
-        port.connect(Connection::Datagrams(socket()));
+        port.connect(Wire::Datagrams(Arc::new(socket()), None));
         assert_eq!(port.overrun(), lost);
     }
 }

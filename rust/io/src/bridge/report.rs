@@ -3,9 +3,9 @@
 use mavwire_core::router::{ComponentStats, LinkSet};
 
 use super::connections::{Kind, Link};
+use super::endpoint::Wire;
 use super::event_loop::{EventLoop, PROGRAM_NAME};
 use super::latency::Latency;
-use super::port::Wire;
 use super::recorder::Recorder;
 use super::socket_options::overrun;
 use super::stats::{ComponentReport, LinkReport, Stats};
@@ -122,7 +122,6 @@ impl EventLoop {
                     one.connections = dialling.connections;
                 }
             }
-            Kind::Datagrams(..) => {}
         }
         reports
     }

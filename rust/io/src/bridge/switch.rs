@@ -14,9 +14,9 @@ use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros}
 use mavwire_core::stream::Piece;
 use mavwire_core::unknown::{UnknownCounts, UnknownKind};
 
-use super::endpoint::PortSpec;
+use super::endpoint::{PortSpec, Wire};
 use super::frames::{FrameInfo, Frames};
-use super::port::{Port, Trust, Wire};
+use super::port::{Port, Trust};
 use super::stats::{Departed, MOST_UNKNOWN, Traffic};
 
 /// The link number that stands for the program around the bridge.
