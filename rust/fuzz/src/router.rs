@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::router::{
-    ByteRate, ComponentStats, Fate, Filter, Limits, LinkId, LinkOptions, LinkStats, Part,
-    Router, Settings,
+    ByteRate, ComponentStats, Fate, Filter, Limits, LinkId, LinkOptions, LinkStats, Part, Router,
+    Settings,
 };
 
 use crate::dialects::{ALL, any_frame};
@@ -20,10 +20,11 @@ fn options(input: &mut Input<'_>) -> LinkOptions {
         ..LinkOptions::default()
     };
     if flags & 8 != 0 {
-        options.inbound = Filter::default().block(Part::Systems, [input.byte()]);
+        options.inbound = Filter::default().block(Part::Systems, [input.byte().into()]);
     }
     if flags & 16 != 0 {
-        options.outbound = Filter::default().allow(Part::Messages, [0, 30, u32::from(input.number())]);
+        options.outbound =
+            Filter::default().allow(Part::Messages, [0, 30, u32::from(input.number())]);
     }
     if flags & 32 != 0 {
         let rate = f64::from(input.number());
