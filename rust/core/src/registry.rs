@@ -104,7 +104,7 @@ impl Registry {
         let mut dialect = self.dialect.clone();
         let mut others = dialect.messages.split_off(self.own);
         let all = &self.dialect.messages;
-        let mut names: HashSet<_> = all.iter().map(|one| one.name.clone()).collect();
+        let mut names = all.iter().map(|one| one.name.clone()).collect();
         let mut layouts: HashSet<_> = all.iter().map(|one| (one.id, one.crc_extra)).collect();
         for (n, message) in other.dialect.messages.iter().enumerate() {
             let is_new = n < other.own && self.lookup(message.id).is_none();

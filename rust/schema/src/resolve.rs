@@ -1,7 +1,7 @@
 //! Files to a [`Dialect`]: includes gathered, enums merged, messages laid out, and everything checked that takes more
 //! than one file to judge.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use crate::definitions::{Definitions, MessageDef};
@@ -71,7 +71,7 @@ impl Dialect {
 }
 
 /// A message under a name that is not among `names`. The name is added to them.
-pub fn with_free_name(mut message: Message, names: &mut HashSet<String>) -> Message {
+pub fn with_free_name(mut message: Message, names: &mut BTreeSet<String>) -> Message {
     for suffix in [format!("_CRC{}", message.crc_extra), format!("_ID{}", message.id)] {
         if names.contains(&message.name) {
             message.name += &suffix;
