@@ -62,7 +62,7 @@ use mavwire_core::scan::{Found, Resync, Scanner};
 use recorder::Recorder;
 use switch::Switch;
 
-/// Commands that may wait; who has more waits too.
+/// Commands that may wait. Further ones make their sender wait.
 const MAX_COMMANDS: usize = 1024;
 /// What the program sends becomes commands of whole frames with so many bytes: 4 MiB may wait, and links wait for no more
 /// than the commands of a round.
@@ -71,7 +71,7 @@ const SENT_PIECE: usize = 4096;
 /// The number of errors to which the system gives none: an unknown name, a path that is not a device.
 pub const NO_SUCH_ADDRESS: i32 = libc::ENXIO;
 
-/// Why a bridge does not do what it was asked for.
+/// Why a bridge refused a request.
 #[derive(Debug, thiserror::Error)]
 pub enum BridgeError {
     /// A link could not be opened.
@@ -122,7 +122,7 @@ pub struct OpenLink {
 }
 
 impl LinkSpec {
-    /// Opens what opens at once. A name that has to be looked up takes as long as its servers do.
+    /// Opens a link as far as that takes no time. Looking up a name takes as long as its servers do.
     ///
     /// # Errors
     /// What the operating system says.
@@ -224,7 +224,7 @@ impl Bridge {
         self.ask(|answer| Command::Remove(name.to_owned(), answer))?
     }
 
-    /// What came and went so far.
+    /// The statistics so far.
     ///
     /// # Errors
     /// The bridge has stopped.

@@ -1,4 +1,4 @@
-//! What a bridge says of its own accord over a link: heartbeats, and requests for telemetry to vehicles that send none
+//! Frames that the bridge itself sends over a link: heartbeats, and requests for telemetry to vehicles that send none
 //! unasked.
 //!
 //! It speaks as a component of its own, `MAV_COMP_ID_UDP_BRIDGE` of a system that is no ground station's, and is no ground
@@ -31,7 +31,7 @@ const ASK_AGAIN: u64 = 30_000_000;
 /// Vehicles that are remembered as asked, for each peer.
 const MAX_ASKED: usize = 64;
 
-/// What is sent over a link unasked. By default that is nothing.
+/// The frames that the bridge itself sends over a link. By default it sends none.
 #[derive(Debug, Clone, Default)]
 pub struct AutomationOptions {
     /// The system to speak as.

@@ -23,7 +23,7 @@ const RESERVED_PORTS: usize = 32;
 /// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
 const FIRST_RETRY: u64 = 250_000;
 
-/// What a link has besides its ports.
+/// The state of a link besides its ports.
 pub(super) enum Kind {
     DatagramServer(Arc<UdpSocket>, HashMap<Address, LinkId>),
     Listener(TcpListener),
@@ -208,7 +208,7 @@ impl EventLoop {
         true
     }
 
-    /// A connection has ended. A server's port goes with it; what is dialled is dialled again.
+    /// A connection has ended. A server's port is removed; a dialled one is dialled again.
     pub(super) fn close_port(&mut self, id: LinkId, error: Option<io::Error>) {
         let Some(port) = self.switch.port(id) else { return };
         let Some(link) = self.links.get_mut(&port.link) else { return };
@@ -224,7 +224,7 @@ impl EventLoop {
         }
     }
 
-    /// Dials what is due, each on a thread of its own.
+    /// Dials the links that are due, each on a thread of its own.
     pub(super) fn redial(&mut self) {
         let now = self.switch.moment.now;
         for (&number, link) in &mut self.links {

@@ -1,5 +1,5 @@
-//! Where a link leads, and opening it. What opens at once is opened by whoever adds the link, so that a port that is taken
-//! is told to them; what has to be waited for is dialled by a thread of its own, so that nobody waits.
+//! Where a link leads, and opening it. Sockets and files open on the caller's thread, so that a port that is taken is an
+//! error of the call. Connections that take time are dialled by a thread of their own.
 
 use std::fmt;
 use std::fs::File;
@@ -89,7 +89,7 @@ impl fmt::Display for Endpoint {
 /// A link as a user asks for it.
 #[derive(Debug, Clone)]
 pub struct LinkSpec {
-    /// What it is called; unlike all others.
+    /// Its name, which no other link has.
     pub name: String,
     /// Where it leads.
     pub endpoint: Endpoint,
@@ -107,7 +107,7 @@ pub struct LinkSpec {
 pub struct PortSpec {
     /// How it takes part in routing.
     pub options: LinkOptions,
-    /// What the bridge sends of its own accord.
+    /// Frames that the bridge itself sends.
     pub automation: AutomationOptions,
     /// Bytes that may wait to leave.
     pub queue: usize,
@@ -155,7 +155,7 @@ impl Stream {
     }
 }
 
-/// What a port's frames leave through.
+/// The transport of a port's frames.
 #[derive(Debug)]
 pub(super) enum Wire {
     /// Nothing now.
@@ -176,18 +176,18 @@ impl AsRawFd for Stream {
     }
 }
 
-/// What adding a link opens.
+/// A link's sockets and files after opening.
 #[derive(Debug)]
 pub(super) enum Opened {
     /// A socket with a port of the router for each peer.
     DatagramServer(Arc<UdpSocket>),
     Listener(TcpListener),
-    /// One port of the router, which is dialled again; what is there already.
+    /// One port of the router, which is dialled again, and its transport now.
     Dialled(Wire),
 }
 
 impl Endpoint {
-    /// Opens what opens at once. A server that was to listen on any port, 0, has its own from then on.
+    /// Opens the link as far as that takes no time. A server with port 0 has its own port from then on.
     pub(super) fn open(&mut self) -> io::Result<Opened> {
         let (kind, host, port) = match self {
             Self::Net { kind, host, port } => (*kind, host.as_str(), port),

@@ -1,4 +1,4 @@
-//! The thread that does the work: waits for all descriptors, reads what is there, routes it, sends what is queued.
+//! The thread that does the work: waits for all descriptors, reads, routes, and sends queued frames.
 //!
 //! Nothing here waits for one link. Connecting happens on threads of its own, writing stops where a socket takes no more,
 //! and a round takes a bounded amount from each link so that a flood on one does not keep the others waiting.
@@ -30,22 +30,22 @@ use crate::clock;
 use crate::datagrams::{BATCH, Inbox};
 use crate::readiness::poll;
 
-/// What the link is called that frames of the program around the bridge come over.
+/// The name of the link of the program around the bridge.
 pub(super) const PROGRAM_NAME: &str = "program";
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
 pub(super) const TURNS: usize = 8;
 /// Bytes after which no further batch is read.
 const ROUND_BYTES: usize = 256 * 1024;
-/// What is routed at a time before queues are looked at: a burst is no reason to drop what a link would take.
+/// Bytes that are routed before queues are looked at: a burst must not drop frames that a link would take.
 const PIECE: usize = 16 * 1024;
 /// Commands that are obeyed in a round.
 const COMMANDS: usize = 64;
-/// How long a round waits that cannot see what is ready.
+/// How long a round waits that cannot tell which descriptors are ready.
 const BLIND_WAIT: Duration = Duration::from_millis(1);
 /// How often peers are looked at that say nothing any more.
 pub(super) const TICK: u64 = 1_000_000;
 
-/// What the handle asks of the thread.
+/// A request of the handle to the thread.
 pub(super) enum Command {
     Add(Box<LinkSpec>, Opened, SyncSender<Result<(), BridgeError>>),
     Remove(String, SyncSender<Result<(), BridgeError>>),
@@ -57,7 +57,7 @@ pub(super) enum Command {
     Stop,
 }
 
-/// What a ready descriptor stands for.
+/// The owner of a watched descriptor.
 #[derive(Clone, Copy)]
 enum Token {
     Wake,

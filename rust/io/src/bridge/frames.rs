@@ -24,7 +24,7 @@ pub struct FrameInfo {
 pub struct Frames {
     /// Their bytes.
     pub bytes: Vec<u8>,
-    /// What they are.
+    /// Their descriptions.
     pub infos: Vec<FrameInfo>,
 }
 

@@ -1,4 +1,4 @@
-//! What a fork must not touch.
+//! The process that a bridge belongs to: a fork must not touch its locks.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -17,7 +17,7 @@ impl Home {
     }
 }
 
-/// The lock, whatever happened to a thread that had it.
+/// The lock, also after a panic of a thread that held it.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -21,7 +21,7 @@ const MAX_RETIRED: usize = 1024;
 /// The newest frame of its kind.
 #[derive(Debug, Clone)]
 pub struct Latest {
-    /// What it is.
+    /// Its description.
     pub info: FrameInfo,
     /// Its bytes.
     pub frame: Vec<u8>,
@@ -36,7 +36,7 @@ pub struct Latest {
 /// A message from a component, and how often it came.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kind {
-    /// What the newest one is.
+    /// The newest one.
     pub info: FrameInfo,
     /// How many came.
     pub count: u64,
@@ -58,7 +58,7 @@ struct State {
     stopped: bool,
 }
 
-/// What stands for a kind of message: one number is hashed faster than three.
+/// The key of a kind of message. One number is hashed faster than three.
 #[inline]
 fn key(msgid: u32, sysid: u8, compid: u8) -> u64 {
     u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
@@ -148,7 +148,7 @@ impl Hub {
         }
     }
 
-    /// What the link with a number is called, or was.
+    /// The name of the link with a number, also after it was removed.
     pub fn link_name(&self, number: u32) -> Option<String> {
         lock(&self.state).link_names.get(&number).cloned()
     }

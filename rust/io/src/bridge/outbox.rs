@@ -127,7 +127,7 @@ impl Outbox {
         Ok(true)
     }
 
-    /// Takes out what a stream took of the front.
+    /// Removes the bytes that a stream took.
     fn written(&mut self, mut len: usize, now: u32) {
         while let Some((front, since)) = self.lane().front() {
             if len < front {

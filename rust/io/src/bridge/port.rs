@@ -1,4 +1,4 @@
-//! One peer: what a link number of the router stands for.
+//! One peer behind a link number of the router: its transport, queue and counters.
 
 use std::io;
 use std::net::UdpSocket;
@@ -54,12 +54,12 @@ pub(super) struct Port {
     pub(super) blocked: bool,
     /// Datagrams of one length leave together.
     grouped: bool,
-    /// What the system dropped at the sockets that it had before this one.
+    /// Datagrams that the system dropped at the sockets before this one.
     overrun: Option<u64>,
     pub(super) traffic: Traffic,
     /// Arriving messages that the dialect does not define.
     pub(super) unknown: UnknownCounts,
-    /// What its frames go through; `None` if they stay as they are.
+    /// The border that changes or checks its frames; `None` if they stay as they are.
     pub(super) border: Option<Border>,
     pub(super) automation: Option<Automation>,
     /// Messages that leave before others.
@@ -165,7 +165,7 @@ impl Port {
         }
     }
 
-    /// Sends what is queued, as far as it goes without waiting. `clock` tells the time in microseconds.
+    /// Sends queued frames as far as possible without waiting. `clock` tells the time in microseconds.
     ///
     /// # Errors
     /// A stream is broken, or there is no way for the datagrams of a socket that has a peer. What else goes wrong with
@@ -205,7 +205,7 @@ impl Port {
                     self.traffic.send_errors += 1;
                     return Err(error);
                 }
-                // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.
+                // The error may belong to an earlier datagram that nobody wanted: this one is tried again.
                 Err(_) if !refused => refused = true,
                 Err(_) => {
                     self.traffic.send_errors += 1;

@@ -1,8 +1,8 @@
-//! Recording what a bridge passes as telemetry logs, on a thread of its own: a slow or full disk costs records, which are
-//! counted, and never a frame on a link.
+//! Telemetry logs of the frames that a bridge passes, written by a thread of their own. A slow or full disk costs records,
+//! which are counted, and never a frame on a link.
 //!
 //! A log holds no key material: what carries a key does not come here, and signatures are taken off (R53, R54). It ends
-//! with a whole record whatever happens, and goes on when there is room again.
+//! with a whole record in any case, and goes on when there is room again.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};

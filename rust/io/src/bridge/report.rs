@@ -1,4 +1,4 @@
-//! What the event loop knows about itself, for who asks.
+//! Statistics that the event loop makes on request.
 
 use mavwire_core::router::{ComponentStats, LinkSet};
 
@@ -13,8 +13,8 @@ use super::stats::{ComponentReport, LinkReport, Stats};
 /// Components that are told of: those that were heard last.
 const MAX_COMPONENTS: usize = 4_096;
 
-/// Who was heard, as it stands in the router: thousands, if someone makes up addresses. Who asks turns it into reports, so
-/// that frames do not wait for that.
+/// Components as the router has them: thousands, if someone makes up addresses. The caller's thread makes reports of them,
+/// so that frames do not wait.
 pub(super) struct Heard {
     now: u64,
     components: Vec<(u8, u8, ComponentStats, LinkSet)>,
@@ -23,8 +23,8 @@ pub(super) struct Heard {
 }
 
 impl Heard {
-    /// A report on each component, and how many there are besides: who makes up addresses does not make every look at the
-    /// numbers slow for ever after.
+    /// Reports on the components heard last, and how many there are besides. Made-up addresses must not make statistics slow
+    /// for ever.
     pub(super) fn reports(mut self) -> (Vec<ComponentReport>, usize) {
         let hidden = self.components.len().saturating_sub(MAX_COMPONENTS);
         if hidden > 0 {
@@ -43,7 +43,7 @@ impl Heard {
 }
 
 impl EventLoop {
-    /// All but the components, and what they are made of.
+    /// The statistics without the components, and the components as the router has them.
     pub(super) fn stats(&self) -> (Stats, Heard) {
         let now = self.switch.moment.now;
         let program = LinkReport {

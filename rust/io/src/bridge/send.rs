@@ -8,7 +8,7 @@ use crate::address::Address;
 /// Datagrams that one call sends at most.
 pub(super) const BATCH: usize = 64;
 
-/// Bytes that may leave together: what a datagram has room for.
+/// Bytes that may leave together: the room of a datagram.
 #[cfg(target_os = "linux")]
 const MAX_GROUP_LEN: usize = 65_000;
 /// Datagrams that may leave together: more than Linux takes before 6.9 are refused.

@@ -5,7 +5,7 @@ use std::net::{TcpStream, UdpSocket};
 use std::os::fd::AsRawFd;
 use std::time::Duration;
 
-/// What a socket is asked to hold of what is not read yet, where the system lets it.
+/// Bytes that a socket is asked to hold until they are read. The system may allow less.
 const RECEIVE_BUFFER: libc::c_int = 8 << 20;
 
 fn set(
@@ -22,7 +22,7 @@ fn set(
     if done == 0 { Ok(()) } else { Err(io::Error::last_os_error()) }
 }
 
-/// Asks for much room for what is not read yet; less will do.
+/// Asks for a large receive buffer; less will do.
 pub(super) fn enlarge(socket: &UdpSocket) {
     #[cfg(target_os = "linux")]
     let names = [libc::SO_RCVBUFFORCE, libc::SO_RCVBUF];

@@ -1,4 +1,4 @@
-//! What a bridge tells about itself.
+//! The statistics of a bridge.
 
 use mavwire_core::router::{ComponentStats, LinkStats};
 use mavwire_core::unknown::UnknownCounts;
@@ -20,14 +20,14 @@ pub struct Stats {
     pub components: Vec<ComponentReport>,
     /// Components that are not among these.
     pub hidden_components: usize,
-    /// What is recorded.
+    /// The recording.
     pub recording: Option<RecordingStats>,
 }
 
 /// What became of the frames of a link.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// What came in, and what the router made of it.
+    /// Frames that came in, by what the router did with them.
     pub routed: LinkStats,
     /// Frames that left.
     pub sent: u64,
@@ -79,7 +79,7 @@ impl Traffic {
     }
 }
 
-/// What is kept of peers that left.
+/// The numbers of peers that left.
 #[derive(Debug, Default)]
 pub(super) struct Departed {
     pub(super) traffic: Traffic,

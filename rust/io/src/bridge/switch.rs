@@ -19,7 +19,7 @@ use super::frames::{FrameInfo, Frames};
 use super::port::{Port, Trust};
 use super::stats::{Departed, MOST_UNKNOWN, Traffic};
 
-/// The link number that stands for the program around the bridge.
+/// The link number of the program around the bridge.
 pub(super) const PROGRAM: u32 = 0;
 
 /// The moment that a round of the event loop happens at.
@@ -207,7 +207,7 @@ impl Switch {
         }
     }
 
-    /// Routes what arrived at a port.
+    /// Routes the bytes that arrived at a port.
     pub(super) fn feed(&mut self, id: LinkId, bytes: &[u8]) {
         let waits = self.port(id).is_some_and(|port| port.waits_for_datagram());
         if waits && self.begins_with_frame(bytes) {
@@ -232,7 +232,7 @@ impl Switch {
         }
     }
 
-    /// Routes what is left of frames at a port. Half a frame is junk: what comes next has nothing to do with it.
+    /// Routes the frames that are left at a port. Half a frame is junk: the next bytes do not continue it.
     pub(super) fn end(&mut self, id: LinkId) {
         let Some(mut stream) = self.port(id).and_then(|port| port.stream.take()) else { return };
         let registry = Arc::clone(&self.registry);
@@ -263,7 +263,7 @@ impl Switch {
         }
     }
 
-    /// Sends what the bridge itself has to say and is due.
+    /// Sends the bridge's own frames that are due.
     pub(super) fn automate(&mut self) {
         let moment = self.moment;
         for port in self.ports.iter_mut().flatten().filter(|port| port.is_up()) {

@@ -84,7 +84,7 @@ impl TapShared {
             waiting.frames.push(bytes, *info);
         }
         if waiting.wanted > 0 && waiting.len() >= waiting.wanted {
-            // Who is not content with that says again what it waits for.
+            // A waiter that needs more sets the number again.
             waiting.wanted = 0;
             self.arrived.notify_all();
         }
