@@ -86,7 +86,7 @@ fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
 /// folders that were made for it. Its errors are [`Unwritten`].
 #[derive(Debug)]
 pub struct Draft {
-    file: Option<BufWriter<Flowing>>,
+    file: Option<BufWriter<File>>,
     path: PathBuf,
     /// What it is called now: a name of its own, then `path`.
     name: PathBuf,
@@ -112,7 +112,7 @@ impl Draft {
             // Who may read what is there may read what takes its place; a file system may know no such thing.
             let _ = file.set_permissions(before.permissions());
         }
-        let file = BufWriter::with_capacity(64 << 10, Flowing { file, waiting: 0 });
+        let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), name, made, kept: false })
     }
 
@@ -130,7 +130,7 @@ impl Draft {
     /// Waits until everything is on the disk.
     fn sync(&mut self) -> io::Result<()> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        naming(&self.path, file.flush().and_then(|()| file.get_ref().file.sync_data()))
+        naming(&self.path, file.flush().and_then(|()| file.get_ref().sync_data()))
     }
 
     fn publish(&mut self) -> io::Result<()> {
@@ -139,46 +139,6 @@ impl Draft {
         self.name.clone_from(&self.path);
         Ok(())
     }
-}
-
-/// Bytes of a file that wait for the disk until it is told of them.
-const WAITING_BYTES: usize = 1 << 20;
-
-/// A file that goes to the disk while it is written: at its end there is little left to wait for.
-#[derive(Debug)]
-struct Flowing {
-    file: File,
-    /// Bytes that the disk was not told of.
-    waiting: usize,
-}
-
-impl Write for Flowing {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.file.write(bytes)?;
-        self.waiting += written;
-        if self.waiting >= WAITING_BYTES {
-            self.waiting = 0;
-            begin_sync(&self.file);
-        }
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
-/// Lets the disk begin with what was written, where the operating system knows how. It may wait for room in the disk's queue,
-/// not for the disk; what goes wrong is said by the wait at the end.
-fn begin_sync(file: &File) {
-    #[cfg(target_os = "linux")]
-    // SAFETY: it takes no pointer, and the file is open.
-    unsafe {
-        use std::os::fd::AsRawFd;
-        libc::sync_file_range(file.as_raw_fd(), 0, 0, libc::SYNC_FILE_RANGE_WRITE);
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = file;
 }
 
 fn remove_empty(folders: &[PathBuf]) {
@@ -307,18 +267,6 @@ mod tests {
             assert_eq!(std::fs::read_to_string(&path).expect("reading"), expected);
         }
         assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 1);
-        std::fs::remove_dir_all(folder).expect("removing");
-    }
-
-    #[test]
-    fn what_went_to_the_disk_early_is_in_its_place() {
-        let folder = std::env::temp_dir().join(format!("mavwire-flowing-{}", std::process::id()));
-        let path = folder.join("log");
-        let bytes: Vec<u8> = (0..5 * WAITING_BYTES / 2).map(|n| (n % 251) as u8).collect();
-        let mut draft = Draft::create(&path).expect("creating");
-        bytes.chunks(100_003).for_each(|some| draft.write_all(some).expect("writing"));
-        draft.commit().expect("committing");
-        assert!(std::fs::read(&path).expect("reading") == bytes);
         std::fs::remove_dir_all(folder).expect("removing");
     }
 
