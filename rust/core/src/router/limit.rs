@@ -10,11 +10,9 @@ use super::links::LinkSet;
 use crate::frame::Header;
 use crate::kind_hash::KindHash;
 
-/// Streams whose pace is remembered: message types times components. Only made-up addresses are more than that, and what
-/// finds no room passes: made-up streams must not stop a genuine one.
+/// Streams whose pace is remembered: message types times components. Only made-up addresses are more than that. Then all are
+/// forgotten: made-up streams must not stop a genuine one.
 const MAX_STREAMS: usize = 1 << 16;
-/// Those that are through with their last message are looked for no more often than this.
-const SWEEP_INTERVAL: u64 = 100_000_000;
 const SECOND: f64 = 1e9;
 
 /// The key of a frame's stream: a message type from a component over a link, or over a group of links. Without the link, a
@@ -27,31 +25,6 @@ pub(super) fn stream_key(&Header { msgid, sysid, compid, .. }: &Header, source: 
 /// The message id of a stream.
 fn msgid_of(stream: u64) -> u32 {
     (stream >> 16) as u32 & 0x00FF_FFFF
-}
-
-/// The next send time of each stream. Times in the past are removed when room is needed.
-#[derive(Debug, Clone, Default)]
-struct Streams {
-    moments: HashMap<u64, u64, KindHash>,
-    /// When they may be swept again.
-    sweep_at: u64,
-}
-
-impl Streams {
-    /// Counts a message of a stream, if there is room for its stream.
-    fn advance(&mut self, key: u64, interval: u64, now: u64) {
-        if let Some(due) = self.moments.get_mut(&key) {
-            *due = (*due).max(now).saturating_add(interval);
-            return;
-        }
-        if self.moments.len() >= MAX_STREAMS && now >= self.sweep_at {
-            self.sweep_at = now.saturating_add(SWEEP_INTERVAL);
-            self.moments.retain(|_, moment| *moment > now);
-        }
-        if self.moments.len() < MAX_STREAMS {
-            self.moments.insert(key, now.saturating_add(interval));
-        }
-    }
 }
 
 /// The limits of a link. By default there are none.
@@ -83,7 +56,7 @@ pub(super) struct Limiter {
     intervals: Box<[(u32, u64)]>,
     interval: Option<u64>,
     /// When each stream may send again.
-    streams: Streams,
+    streams: HashMap<u64, u64, KindHash>,
     urgent: Box<[u32]>,
 }
 
@@ -101,7 +74,7 @@ impl Limiter {
             bytes: limits.bytes_per_second.clone(),
             intervals: intervals.into(),
             interval: limits.message_rate.map(interval),
-            streams: Streams::default(),
+            streams: HashMap::default(),
             urgent: limits.urgent.as_slice().into(),
         }
     }
@@ -111,7 +84,7 @@ impl Limiter {
         let msgid = msgid_of(stream);
         let interval = self.interval_of(msgid);
         let is_due = |due: &u64| *due <= now.saturating_add(interval.unwrap_or(0) / 2);
-        if interval.is_some() && !self.streams.moments.get(&stream).is_none_or(is_due) {
+        if interval.is_some() && !self.streams.get(&stream).is_none_or(is_due) {
             return false; // asks for no bytes
         }
         let is_urgent = self.urgent.contains(&msgid);
@@ -120,7 +93,11 @@ impl Limiter {
             return false;
         }
         if let Some(interval) = interval {
-            self.streams.advance(stream, interval, now);
+            if self.streams.len() >= MAX_STREAMS && !self.streams.contains_key(&stream) {
+                self.streams.clear();
+            }
+            let due = self.streams.entry(stream).or_insert(now);
+            *due = (*due).max(now).saturating_add(interval);
         }
         true
     }
@@ -197,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn streams_that_are_too_many_pass_unlimited_and_find_room_with_time() {
+    fn streams_that_are_too_many_are_forgotten() {
         let limits = Limits { message_rate: Some(1.0), ..Limits::default() };
         let mut limiter = Limiter::new(&limits);
         let mut passed = |msgid, time: u64| {
@@ -207,8 +184,8 @@ mod tests {
             let streams = headers.map(|header| stream_key(&header, LinkSet::EMPTY));
             streams.filter(|&stream| limiter.admit(stream, 50, 0, time * MS)).count()
         };
-        let counts = [passed(0, 0), passed(30, 400), passed(0, 400), passed(30, 1_000)];
-        assert_eq!(counts, [MAX_STREAMS, MAX_STREAMS, 0, MAX_STREAMS]);
+        let counts = [passed(0, 0), passed(0, 400), passed(30, 400), passed(0, 400)];
+        assert_eq!(counts, [MAX_STREAMS, 0, MAX_STREAMS, MAX_STREAMS]);
     }
 
     #[test]
