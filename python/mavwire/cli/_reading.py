@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import stat
 import sys
 import time
 from argparse import Namespace
@@ -78,22 +77,7 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
     except FileNotFoundError as error:
         raise CommandError(f"no such log: {name or path}") from error
     except (OSError, ValueError, ImportError) as error:
-        reason = "not a log file" if _is_other_device(path) else in_words(error, path)
-        raise CommandError(f"cannot open {name or path}: {reason}{hint}") from error
-
-
-def _is_other_device(path: str) -> bool:
-    """Whether a path leads to a device that is no serial port, such as /dev/null."""
-    try:
-        if not stat.S_ISCHR(os.stat(path).st_mode):
-            return False
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
-    except (OSError, ValueError):
-        return False
-    try:
-        return not os.isatty(descriptor)
-    finally:
-        os.close(descriptor)
+        raise CommandError(f"cannot open {name or path}: {in_words(error, path)}{hint}") from error
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:

@@ -2,14 +2,13 @@
 
 One evaluation has one budget. The values that an operation, a call, a list or a loop takes
 and makes are charged to it, each with all that it holds, so nothing grows step by step. Small
-operands can make a huge value at once: ``9**9**9``, ``"x" * 10**9``, ``factorial(10**8)``. Those
-operations are guarded here. Everything else is the operator of Python itself.
+operands can make a huge value at once: ``9**9**9``, ``"x" * 10**9``. Those operations are
+guarded here. Everything else is the operator of Python itself.
 """
 
 from __future__ import annotations
 
 import ast
-import functools
 import math
 import operator
 import re
@@ -198,40 +197,11 @@ def bounded_range(*bounds: Any) -> range:
     return numbers
 
 
-def _total_bits(values: Iterable[Any]) -> int:
-    return sum(value.bit_length() for value in values if _is_int(value))
-
-
-def bounded_prod(values: Iterable[Any], /, *, start: Any = 1) -> Any:
-    """``math.prod`` of numbers, each step of it bounded."""
-    numbers = [start, *values]
-    if any(isinstance(one, _SEQUENCES) for one in numbers):
-        raise ExpressionError("prod() of sequences")
-    return functools.reduce(multiply, numbers)
-
-
 def bounded_sum(values: Iterable[Any], /, start: Any = 0) -> Any:
     """The builtin ``sum``, which takes the square of the time to join sequences."""
     if isinstance(start, _SEQUENCES):
         raise ExpressionError("builtin_sum() of sequences")
     return sum(values, start)
-
-
-def bounded_lcm(*values: Any) -> int:
-    """``math.lcm``, bounded."""
-    _check_bits(_total_bits(values))
-    return math.lcm(*values)
-
-
-def small_integers(function: Callable[..., int]) -> Callable[..., int]:
-    """A function of combinatorics, for arguments up to 500 (whose factorial has 3,767 bits)."""
-
-    def bounded(*arguments: Any) -> int:
-        if any(_is_int(value) and value > 500 for value in arguments):
-            raise ExpressionError(f"{function.__name__}() of more than 500")
-        return function(*arguments)
-
-    return bounded
 
 
 BINARY_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {

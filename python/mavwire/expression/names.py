@@ -2,7 +2,8 @@
 
 As in pymavlink these are the names of ``math``, of ``mavextra`` and the builtins, where ``sum``,
 ``pow`` and ``mode`` are not the builtin ones. Builtins that reach further than the values in hand
-(``open``, ``type``, ``vars``, ...) are left out, and those without a bound are guarded.
+(``open``, ``type``, ``vars``, ...) are left out, and so are combinatorics of ``math``. Others without a
+bound are guarded.
 """
 
 from __future__ import annotations
@@ -28,12 +29,10 @@ _GUARDED: dict[str, Any] = {
     "getattr": attributes.safe_getattr,
     "hasattr": attributes.safe_hasattr,
     "builtin_sum": limits.bounded_sum,
-    "prod": limits.bounded_prod,
-    "lcm": limits.bounded_lcm,
-    "factorial": limits.small_integers(math.factorial),
-    "comb": limits.small_integers(math.comb),
-    "perm": limits.small_integers(math.perm),
 }
+
+_UNBOUNDED = frozenset({"comb", "factorial", "lcm", "perm", "prod"})
+"""Functions of ``math`` whose results may be huge."""
 
 
 @functools.cache
@@ -42,7 +41,7 @@ def known_names() -> dict[str, Any]:
     from mavwire import mavextra
 
     names: dict[str, Any] = {name: getattr(builtins, name) for name in _BUILTINS.split()}
-    names.update(_public(vars(math)))
+    names.update({n: v for n, v in _public(vars(math)).items() if n not in _UNBOUNDED})
     names.update({name: getattr(mavextra, name) for name in mavextra.EXPRESSION_NAMES})
     names.update(_GUARDED)
     return names
@@ -83,11 +82,11 @@ def load_user_functions(path: str | PathLike[str]) -> list[str]:
 def lookup(name: str, column: int) -> Any:
     """The value of a name that is no message.
 
-    Raises ExpressionError for a builtin that is left out, NameError for what is not here (yet).
+    Raises ExpressionError for a function that is left out, NameError for an unknown name.
     """
     known = known_names()
     if name in known:
         return known[name]
-    if name in _ALL_BUILTINS:
+    if name in _ALL_BUILTINS | _UNBOUNDED:
         raise limits.ExpressionError(f"{name!r} is not available", column)
     raise NameError(f"name {name!r} is not defined", name=name)

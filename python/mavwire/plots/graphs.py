@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mavwire.logs.selection import DAY
@@ -59,14 +59,11 @@ class Modes:
 
     def add(self, stamp: float, mode: str) -> None:
         """The vehicle is in this mode, in seconds since 1970."""
-        if self.spans and (self.spans[-1].mode == mode or len(self.spans) >= MOST_SPANS):
-            last = self.spans[-1]
-            self.spans[-1] = Span(last.mode, last.start, stamp)
-            return
-        if self.spans:
-            last = self.spans[-1]
-            self.spans[-1] = Span(last.mode, last.start, stamp)
-        self.spans.append(Span(mode, stamp, stamp))
+        last = self.spans[-1] if self.spans else None
+        if last is not None:
+            self.spans[-1] = replace(last, end=stamp)
+        if last is None or (mode != last.mode and len(self.spans) < MOST_SPANS):
+            self.spans.append(Span(mode, stamp, stamp))
 
 
 @dataclass

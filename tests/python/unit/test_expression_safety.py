@@ -291,7 +291,6 @@ TOO_MUCH = [
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("prod([2, 3.5])", 7.0), ("prod([])", 1), ("prod((2, 3), start=2)", 12),
         ("builtin_sum([1, 2.5])", 3.5), ("[y for y in [((1,),)]]", [((1,),)]),
         ("builtin_sum((1, 2), 3)", 6), ("list(zip('ab', [1, 2]))", [("a", 1), ("b", 2)]),
     ],
@@ -321,9 +320,7 @@ def test_ordinary_texts_are_allowed(text: str) -> None:
     assert evaluate_expression(text, MESSAGES)
 
 
-@pytest.mark.parametrize(
-    "text", ["[1, 2] * 512", "'ab' * 1000", "2**4000 > 1", "factorial(20) > 0", "'1000 %5.1f' % n"]
-)
+@pytest.mark.parametrize("text", ["[1, 2] * 512", "'ab' * 1000", "2**4000 > 1", "'1000 %5.1f' % n"])
 def test_ordinary_sizes_are_allowed(text: str) -> None:
     assert evaluate_expression(text, MESSAGES)
 
