@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from .formats import FORMATS, ONE_FILE
@@ -94,7 +94,7 @@ class Manifest:
                 )
             self.has_journal = name == JOURNAL
             if stored["options"] == self.how:
-                self.rows |= {row["path"]: Converted(**row) for row in stored["logs"]}
+                self.rows |= {row.path: row for row in stored["logs"]}
             else:
                 forgotten |= _begun_stems(stored)
         if self.has_journal:  # a run was killed, perhaps while it wrote the manifest
@@ -203,43 +203,28 @@ class Manifest:
         return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
 
 
-_ROW = {
-    "path": str,
-    "name": str,
-    "size": int,
-    "mtime_ns": int,
-    "rows": int,
-    "bad_bytes": int,
-    "unknown": dict,
-    "files": dict,
-    "error": str | None,
-}
-"""What the manifest holds of `Converted`,"""
-_SOME = ("parts", "stale")
-"""and what it holds of those that have any."""
-
-
 def stored_row(row: Converted) -> dict[str, Any]:
     """A row as the manifest and the journal hold it."""
-    some = {key: getattr(row, key) for key in _SOME if row.error is not None}
-    return {key: getattr(row, key) for key in _ROW} | {key: one for key, one in some.items() if one}
+    stored = asdict(row)
+    del stored["skipped"]
+    for key in ("parts", "stale"):
+        if not stored[key] or row.error is None:
+            del stored[key]
+    return stored
 
 
 def _manifest(content: bytes) -> dict[str, Any] | None:
-    """The content of a manifest; None for a file of something else, which is not ours to replace."""
-    stored = _parsed(content)
-    if not _is_head(stored) or not isinstance(stored.get("logs"), list):
-        return None
-    return dict(stored) if all(map(_is_row, stored["logs"])) else None
+    """The content of a manifest with its rows; None for a file of something else, which stays."""
+    return _checked(_parsed(content))
 
 
 def _journal(content: bytes) -> dict[str, Any] | None:
     """The same of a journal, without a last line of which not all was written."""
     lines = content.split(b"\n")[:-1]
     if not lines:
-        return {"options": None}
-    head, rows = _parsed(lines[0]), [_parsed(line) for line in lines[1:]]
-    return {**head, "logs": rows} if _is_head(head) and all(map(_is_row, rows)) else None
+        return {"options": None, "logs": []}
+    head, *rows = map(_parsed, lines)
+    return _checked({**head, "logs": rows} if isinstance(head, dict) else None)
 
 
 def _parsed(text: bytes) -> Any:
@@ -249,29 +234,24 @@ def _parsed(text: bytes) -> Any:
         return None
 
 
+def _checked(stored: Any) -> dict[str, Any] | None:
+    try:
+        rows = [Converted(**row) for row in stored["logs"]]
+        valid = stored["version"] == VERSION and isinstance(stored["options"], dict)
+        stems = [name for row in rows for name in (row.name, *row.parts)]
+        files = [name for row in rows for name in (*row.files, *row.stale)]
+        lists = [stored["logs"], *(one for row in rows for one in (row.parts, row.stale))]
+    except (TypeError, KeyError):
+        return None
+    valid &= all(isinstance(one, list) for one in lists)
+    valid &= all(isinstance(name, str) for name in files)
+    return {**stored, "logs": rows} if valid and all(map(_is_stem, stems)) else None
+
+
 def _begun_stems(stored: dict[str, Any]) -> set[str]:
-    """What files are called of logs that a killed run had begun."""
-    begun = [row for row in stored.get("logs", ()) if row["error"] == BEGUN]
-    return {stem for row in begun for stem in (row["name"], *row.get("parts", ()))}
-
-
-def _is_head(stored: Any) -> bool:
-    return (
-        isinstance(stored, dict)
-        and stored.get("version") == VERSION
-        and isinstance(stored.get("options"), dict)
-    )
-
-
-def _is_row(row: Any) -> bool:
-    if not isinstance(row, dict) or row.keys() - set(_SOME) != _ROW.keys():
-        return False
-    if not all(isinstance(row[key], kind) for key, kind in _ROW.items()):
-        return False
-    parts, stale = (row.get(key, []) for key in _SOME)
-    if not isinstance(parts, list) or not isinstance(stale, list):
-        return False
-    return all(map(_is_stem, [row["name"], *parts])) and all(isinstance(one, str) for one in stale)
+    """The names of files of logs that a killed run had begun."""
+    begun = [row for row in stored["logs"] if row.error == BEGUN]
+    return {stem for row in begun for stem in (row.name, *row.parts)}
 
 
 def _is_stem(name: Any) -> bool:

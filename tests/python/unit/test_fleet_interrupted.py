@@ -399,7 +399,7 @@ def test_stale_files_of_a_manifest_of_others(tmp_path, stale):
 def assert_no_manifest(out: Path, more: dict[str, Any]) -> None:
     row = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes": 0}
     log = {**row, "files": {}, "error": manifest.BEGUN, **more}
-    content = {"version": 1, "options": {}, "logs": [log]}
+    content = {"version": 2, "options": {}, "logs": [log]}
     (out / MANIFEST).write_text(json.dumps(content))
     with pytest.raises(ValueError, match="is no manifest"):
         convert([], out)
