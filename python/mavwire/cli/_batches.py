@@ -72,7 +72,7 @@ def batches(
 
 
 def samples(msg: Any) -> Iterable[tuple[int, int, int]]:
-    """What one part of a batch holds, x, y and z; nothing where they are no rows of numbers."""
+    """The samples of one part of a batch: x, y and z. Empty if they are not arrays of numbers."""
     rows = (msg.x, msg.y, msg.z)
     if not all(isinstance(row, Sequence | array) for row in rows):
         return ()

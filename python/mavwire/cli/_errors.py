@@ -35,7 +35,7 @@ def tell(text: str) -> None:
 
 
 def describe_os_error(error: OSError) -> str:
-    """What failed and on which file. Writing standard output fails without a name."""
+    """The reason and the file of an error. An error of standard output has no file name."""
     reason = error.strerror or str(error)
     if error.filename is None:
         return f"standard output: {reason}"
@@ -43,5 +43,5 @@ def describe_os_error(error: OSError) -> str:
 
 
 def describe_link_error(error: OSError) -> str:
-    """What failed and on which link or file; the text of an error without a name says it."""
+    """The reason and the link or file of an error. Without a name it is the text of the error."""
     return f"{error.filename}: {error.strerror}" if error.filename else str(error)

@@ -1,6 +1,6 @@
 """Warnings about files that are no logs, or not the kind of log that their name says.
 
-Commands read by chance what looks like a record in such a file, so its user has to know what it is.
+Commands may find bytes in such a file that look like a record, so the user has to know.
 """
 
 from __future__ import annotations

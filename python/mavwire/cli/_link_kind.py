@@ -6,7 +6,7 @@ from typing import Any
 
 
 def kind_of(link: Any) -> str:
-    """What a link or log is: "telemetry", "dataflash" or "CSV"."""
+    """The kind of a link or log: "telemetry", "dataflash" or "CSV"."""
     if hasattr(link, "mav"):
         return "telemetry"
     return "CSV" if hasattr(link, "message_type") else "dataflash"

@@ -60,7 +60,7 @@ class Progress:
             from rich.progress import Progress as Bar
         except ImportError:
             return
-        # What is printed meanwhile goes above the bar, but not what goes to a file or a pipe.
+        # Printed lines go above the bar, but not those that go to a file or a pipe.
         on_screen = is_terminal(sys.stdout)
         console = Console(file=drawn_on(sys.stderr))
         self._bar = Bar(console=console, transient=True, redirect_stdout=on_screen)

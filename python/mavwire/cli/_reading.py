@@ -1,4 +1,4 @@
-"""Opening what the subcommands read, with errors that say what was wrong and what would do."""
+"""Logs and links that subcommands read, and the errors of opening them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mavwire.cli._progress import Progress
 T = TypeVar("T")
 
 PROGRESS_EVERY = 20_000
-# What standard input is called, and the name of its file. Logs of each kind are recognised under it.
+# The name of standard input in texts, and of its file. The suffix suits each kind of log.
 STANDARD_INPUT = "standard input"
 STANDARD_INPUT_FILE = "stdin.log"
 # Seconds between looks at the end of a log that is followed.
@@ -36,7 +36,7 @@ def definitions(
 
 @contextmanager
 def _naming_dialect(name: str) -> Iterator[None]:
-    """What goes wrong while a dialect is loaded becomes a CommandError that names it."""
+    """Turn errors of loading a dialect into a CommandError that names it."""
     try:
         yield
     except FileNotFoundError as error:
@@ -65,8 +65,8 @@ def standard_input() -> Iterator[str]:
 
 @contextmanager
 def opening(path: str, name: str | None = None) -> Iterator[None]:
-    """What goes wrong while a log or a link is opened becomes a CommandError that says so; `name` is what
-    the user calls it, where that is not its path.
+    """Turn errors of opening a log or a link into a CommandError. `name` is the user's name of it, if that
+    is not its path.
     """
     hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
     # Not where it is the content that is wrong, or the way there.
@@ -81,14 +81,14 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:
-    """What went wrong with a condition, which is shown."""
+    """The error of a condition, with its text."""
     if not condition.strip():
         return CommandError(f"--condition {condition!r}: the condition is empty")
     return CommandError(f"--condition {condition!r}: {in_words(error)}")
 
 
 def _word_in(msg: Any) -> ValueError | None:
-    """What is wrong with a message of a text log that has a word in the place of a number."""
+    """The error of a message of a text log with a word in place of a number."""
     try:
         msg.to_dict()
     except ValueError as error:
@@ -97,7 +97,7 @@ def _word_in(msg: Any) -> ValueError | None:
 
 
 class Reading:
-    """A log that is being read: `link` as mavutil gives it, with progress for who waits."""
+    """A log that is being read: the `link` of mavutil, with progress."""
 
     def __init__(self, command: str, path: str, link: Any, progress: Progress) -> None:
         self.command = command
@@ -108,7 +108,7 @@ class Reading:
         """Whether records were looked up by type."""
         self.is_text = self._is_text_log()
         self._checked: str | None = None
-        """The condition of which the names were looked at."""
+        """The condition whose names were checked."""
 
     def messages(
         self,
@@ -144,7 +144,7 @@ class Reading:
     def _received(
         self, types: list[str] | None, condition: str | None, blocking: bool
     ) -> Iterator[Any]:
-        """What the log gives for these arguments, to its end."""
+        """The messages for these arguments, to the end of the log."""
         receive = self.link.recv_match
         while (msg := receive(condition, types, blocking)) is not None:
             yield msg
@@ -186,7 +186,7 @@ class Reading:
         return isinstance(self.link, DFReader_text)
 
     def _has_numbers(self, msg: Any) -> bool:
-        """Whether there are numbers where they should be; it is said if not."""
+        """Whether numeric fields hold numbers. Warns if not."""
         error = _word_in(msg)
         if error is not None:
             tell(f"mavwire {self.command}: {msg.get_type()} passed over: {error}")
@@ -210,8 +210,8 @@ class Reading:
             self.show_progress()
 
     def holds(self, condition: str | None) -> bool:
-        """Whether a condition holds now, with the newest messages of the vehicle. It does not over
-        words in the place of numbers.
+        """Whether a condition holds now, with the newest messages of the vehicle. It does not if a numeric
+        field holds a word.
         """
         if condition is None:
             return True
@@ -224,7 +224,7 @@ class Reading:
             raise _condition_error(condition, error) from error
 
     def _check_names(self, condition: str | None) -> None:
-        """Say once which names in a condition are unknown."""
+        """Warn once of unknown names in a condition."""
         if condition is None or condition is self._checked:
             return
         from mavwire.cli._message_types import tell_unknown_in
@@ -233,7 +233,7 @@ class Reading:
         tell_unknown_in(condition, self)
 
     def show_progress(self) -> None:
-        """Tell how much of the log is read."""
+        """Update the progress bar."""
         self.progress.update(getattr(self.link, "percent", 0.0))
 
 
@@ -247,7 +247,7 @@ _LINK_OPTIONS = {
 
 
 def link_options(args: Namespace) -> dict[str, Any]:
-    """What a command line says of how to read logs, for `reading`."""
+    """The options of a command line for `reading`."""
     given = vars(args)
     return {theirs: given[ours] for ours, theirs in _LINK_OPTIONS.items() if ours in given}
 
@@ -261,10 +261,10 @@ def reading(
     name: str | None = None,
     **options: Any,
 ) -> Iterator[Reading]:
-    """Open a log for `mavwire COMMAND`, show progress, close it, and say so where it was no log.
+    """Open a log for `mavwire COMMAND`, show progress, close it, and warn if it was no log.
 
-    `name` is what the user calls it, where that is not its path. `options` are those of
-    `mavlink_connection`, which opens what `first_try` gives None for.
+    `name` is the user's name of the log, if that is not its path. `options` are those of
+    `mavlink_connection`, which opens the log if `first_try` gives None.
     """
     from mavwire.cli._foreign import warn_if_foreign
 

@@ -1,4 +1,4 @@
-"""What only telemetry logs have: senders, sequence numbers, frames."""
+"""Telemetry logs: the check for one, and its records."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def require_telemetry(log: Reading) -> None:
 
 
 def _check_records(path: str) -> None:
-    """CommandError for a file that is called as dataflash logs are, and has no record."""
+    """CommandError for a file without a record whose name is that of a dataflash log."""
     from mavwire.links import state
     from mavwire.logs.no_records import check_records
 
@@ -34,7 +34,7 @@ def _check_records(path: str) -> None:
 
 
 def is_damaged(msg: Any) -> bool:
-    """Whether these bytes are no message at all."""
+    """Whether it is BAD_DATA."""
     return bool(msg.get_msgId() == BAD_DATA)
 
 

@@ -6,7 +6,7 @@ import time
 
 
 def local_time(second: float) -> str:
-    """What the local clock shows at a time in seconds since 1970."""
+    """The time of the local clock for seconds since 1970."""
     try:
         return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(second))
     except (OverflowError, OSError, ValueError):  # beyond what this platform's calendar holds

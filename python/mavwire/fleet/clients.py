@@ -48,11 +48,11 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
 
 
 HOST_AND_PORT = ("tcp", "tls", "ucx")
-"""What is addressed by host and port. `wss` goes by URLs, and `gateway` and others by their own."""
+"""Schemes of addresses with host and port. `wss` has URLs, `gateway` and others have names."""
 
 PORTS = 65536
 SILENCE = logging.CRITICAL
-"""What of the logs of a local cluster is shown."""
+"""The level of log records of a local cluster that are shown."""
 GRACE = 1.0
 """Seconds that an answer may take beyond the time that connecting may."""
 
@@ -112,9 +112,8 @@ async def _ask(address: str, seconds: float) -> None:
 
 @contextmanager
 def _dask_silenced() -> Iterator[None]:
-    """Dask logs, with tracebacks, that connections end while a cluster does. What a cluster silences itself
-    it no longer does once it is closed, when some still come in this process; in its processes there is
-    only that. What matters is raised or in a row.
+    """Hide log records of Dask: it logs the end of each connection of a closing cluster with a traceback.
+    `silence_logs` ends before the last of them. Errors that matter are raised or in a row.
     """
 
     def is_shown(record: logging.LogRecord) -> bool:  # one for each run, as runs may overlap

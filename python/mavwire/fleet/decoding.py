@@ -101,8 +101,8 @@ def _described(
     byte_range: ByteRange | Part | None,
     storage_options: Mapping[str, Any] | None,
 ) -> DataflashTables | None:
-    """What a dataflash log, or a range of one, says about itself; None for a telemetry log.
-    LogFormatError where it says nothing, and for a range that cannot be read by itself.
+    """The survey of a dataflash log or of a range of one; None for a telemetry log. LogFormatError if it
+    describes no records, and for a range that cannot be read by itself.
     """
     if byte_range is None or not byte_range[0]:
         return open_dataflash(source, path)

@@ -154,7 +154,7 @@ class _Run:
         """Logs that cannot be read."""
         self._taken: set[str] = set()
         self._parts: dict[str, list[Converted]] = {}
-        """What is known of logs of which parts are missing."""
+        """Rows of finished parts, of logs with unfinished ones."""
         self._missing: dict[str, int] = {}
         self._jobs: dict[str, list[Piece]] = {}
         """The pieces that a future is about, by its key; one that looks for cuts has one."""
@@ -243,7 +243,7 @@ class _Run:
         if not ranges:
             return [piece]
         self._missing[piece.path] = len(ranges)
-        # What an earlier run called parts of this log is written anew.
+        # Names of parts of an earlier run are used again.
         self._taken -= self.manifest.stems(piece.path) - {piece.name}
         names = [self._part_name(piece.name, number) for number in range(len(ranges))]
         self.journal.begin(piece.path, piece.name, names)

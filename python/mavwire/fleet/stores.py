@@ -54,7 +54,7 @@ class Remote:
         self.root = url.rstrip("/")
         self.fs, self._inner = file_system(self.root, options)
         self._found: dict[str, int | None] | None = None
-        """What was there when it was first asked for: a request for all, not one for each."""
+        """The files at the first look: one request for all of them."""
         self._appended: dict[str, bytes] = {}
         kinds = self.fs.protocol
         self._whole = not OBJECT_STORES.isdisjoint([kinds] if isinstance(kinds, str) else kinds)
@@ -68,7 +68,7 @@ class Remote:
         return f"{self._inner.rstrip('/')}/{name}"
 
     def has_content(self, name: str) -> bool:
-        """Whether there was such a file, with anything in it, when this was first asked."""
+        """Whether the file existed and was not empty at the first look."""
         return self._listing().get(self.fs._strip_protocol(self._path(name)), 0) != 0
 
     def names(self) -> Iterator[str]:
@@ -128,7 +128,7 @@ class Remote:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Nothing: such a place has no locks that end with the process which has them."""
+        """Do nothing: object stores have no locks that end with their process."""
         yield
 
     def remove_drafts(self, *names: str) -> None:

@@ -1,4 +1,4 @@
-"""What a worker does: convert some logs, or parts of logs, and give their files their names.
+"""Tasks of workers: convert some logs, or parts of logs, and give their files their names.
 
 A task may be done twice: a worker that dies takes what it did with it, one that was only thought
 dead goes on. Each attempt writes files in a folder of its own, and only whole files get names,
@@ -33,7 +33,7 @@ class Piece:
 
     path: str
     name: str
-    """What its files are called, without suffix."""
+    """The name of its files without suffix."""
     byte_range: ByteRange | Part | None = None
 
 

@@ -11,13 +11,13 @@ OTHERS = ("Timestamp(", "Dictionary(", "Utf8View", "LargeUtf8", "BinaryView", "L
 
 
 def foreign(kind: str) -> bool:
-    """Whether a column of a kind, as `Table.dtypes` has it, is to be looked at by `conformed`."""
+    """Whether `conformed` has to check a column of a type in `Table.dtypes`."""
     return (kind.startswith(OTHERS) and not kind.startswith(OWN)) or "FixedSizeList" in kind
 
 
 def conformed(table: Any) -> Any:
-    """A pyarrow table of an Arrow stream, with times, texts and categories as tables of logs have
-    them. ValueError where a value cannot be had so.
+    """A pyarrow table of an Arrow stream, with times, texts and categories of the types of mavwire.
+    ValueError for values that these types do not hold.
     """
     with extra("data"):
         import pyarrow as pa
@@ -56,7 +56,7 @@ def _keyed(column: Any) -> Any:
 
 
 def _own_kind(kind: Any) -> Any:
-    """What takes the place of a kind; itself where it may stay."""
+    """The type of mavwire for an Arrow type, which may be the same."""
     with extra("data"):
         import pyarrow as pa
 

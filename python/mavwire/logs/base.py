@@ -1,4 +1,4 @@
-"""What logs of all kinds have in common."""
+"""The base class of logs."""
 
 from __future__ import annotations
 

@@ -48,9 +48,9 @@ BATCH_ROWS = 65_536
 BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 2
-"""To be raised when the same options come to give other files: those of before are made anew."""
+"""Increase it when the same options give other files, so that old files are made anew."""
 INTERNAL = ("unknown", "batch_rows", "batch_bytes", "foreign")
-"""What of a selection makes no difference to files."""
+"""Attributes of a selection that make no difference to files."""
 
 
 @takes(Query)
@@ -158,7 +158,7 @@ def prepare(
 
 
 def _asked(selection: Selection) -> dict[str, Any]:
-    """What users ask for, in an order of its own where theirs makes no difference."""
+    """The options of a user. Lists are sorted where the order makes no difference."""
     how = {name: one for name, one in asdict(selection).items() if name not in INTERNAL}
     for name in ("types", "names", "systems"):
         how[name] = None if how[name] is None else sorted(set(how[name]))
@@ -166,7 +166,7 @@ def _asked(selection: Selection) -> dict[str, Any]:
 
 
 def _fingerprint(native: Any, selection: Selection) -> str:
-    """What tells the definitions of the wanted messages from others under the same name."""
+    """A hash of the definitions of the wanted messages."""
     types = None if selection.types is None else set(selection.types)
     told = hashlib.sha256(native.layout_text(types).encode())
     if (
@@ -187,7 +187,7 @@ class Job:
     compression: str
     progress: Callable[[str, float], object] | None
     named: str | None = None
-    """What errors call `out`, where files get other names once they are complete."""
+    """The name of `out` in errors, if files are moved when they are complete."""
 
     def run(self, path: str, name: str, source: Source | None = None) -> Converted:
         """Convert a log to `out/MESSAGE/name`, or `out/name`; what went wrong is in the row.

@@ -1,4 +1,4 @@
-"""What a file without records is, in the words of an error."""
+"""Errors for files without records."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _OTHERS = {
     LogKind.PCAP: ("packet capture", "there is no MAVLink frame in it"),
     LogKind.SQLITE: ("database", "name a log"),
 }
-"""Names of formats, and what to do with such a file."""
+"""Names of formats, and advice for files of them."""
 
 
 class LogFormatError(ValueError):

@@ -1,4 +1,4 @@
-"""Formats that tables and logs are written in, their suffixes, and what they are compressed with."""
+"""Formats of tables and logs, their suffixes and compressions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ONE_FILE = frozenset(("mcap",))
 TABLE_FORMATS = tuple(one for one in FORMATS if one not in ONE_FILE)
 TEXTS = ("csv", "jsonl")
 TEXT_SUFFIXES = {"zstd": ".zst", "gzip": ".gz"}
-"""What follows the suffix of a text that is compressed."""
+"""Suffixes after the suffix of a text, by compression."""
 SUFFIXES = (
     *FORMATS.values(),
     *(FORMATS[text] + more for text in TEXTS for more in TEXT_SUFFIXES.values()),
@@ -23,4 +23,4 @@ COMPRESSIONS = {
     "arrow": ("none",),
     "mcap": ("zstd", "lz4", "none"),
 }
-"""What each format may be compressed with, the default first."""
+"""Compressions of each format, the default first."""

@@ -37,7 +37,7 @@ class Converted:
     path: str
     """Absolute path of the log."""
     name: str
-    """What its files are called, without suffix."""
+    """The name of its files without suffix."""
     size: int = 0
     mtime_ns: int = 0
     """As it was when it was converted."""
@@ -53,7 +53,7 @@ class Converted:
     skipped: bool = False
     """It had been converted before, by an earlier run."""
     parts: list[str] = field(default_factory=list)
-    """What files of its parts are called, while it is converted in parts."""
+    """Names of the files of its parts, while it is converted in parts."""
     stale: list[str] = field(default_factory=list)
     """Files of before, where this conversion failed: the next one that succeeds replaces or removes
     them.
@@ -61,11 +61,11 @@ class Converted:
 
 
 class Manifest:
-    """What was converted into a folder, and how. `status` gives size and time of a log, or raises
-    OSError.
+    """The logs that were converted into a folder, and the options. `status` gives size and time of a log,
+    or raises OSError.
 
-    What a run that was killed left in a journal is taken over. ValueError where one of the two is a
-    file of something else.
+    The journal of a killed run is read too. ValueError if manifest or journal is a file of something
+    else.
     """
 
     def __init__(
@@ -188,11 +188,11 @@ class Manifest:
         return _names(paths, earlier, self.taken())
 
     def taken(self) -> set[str]:
-        """What files of logs are called, without folder and suffix."""
+        """Names of the files of all logs, without folder and suffix."""
         return {stem for path in self.rows for stem in self.stems(path)}
 
     def stems(self, path: str) -> set[str]:
-        """What files of a log are called, without folder and suffix."""
+        """Names of the files of a log, without folder and suffix."""
         row = self.rows.get(path)
         if row is None:
             return set()

@@ -1,4 +1,4 @@
-"""What is to be said of a log of which nothing was read: the same by all commands, and what to do."""
+"""Texts about logs without records, with advice. All commands use them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ NO_RECORD = "the log ends within its first record: repeat the copy or the downlo
 
 
 def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
-    """What a log lacks that has no record; nothing of one that has any. LogFormatError for what is no
-    log.
-    """
+    """Why a log has no record; empty for a log that has any. LogFormatError for a file that is not a log."""
     # Small batches come early, and those of a row take their time.
     if next(iter(scan(path, dialect=dialect, batch_rows=256)), None) is not None:
         return ""

@@ -1,4 +1,4 @@
-"""What to read of logs: the arguments that `read`, `scan`, `convert` and others share."""
+"""Queries over logs: the arguments that `read`, `scan`, `convert` and others share."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 BATCH_ROWS = 65_536
 BATCH_BYTES = 64 << 20
-"""What `scan` holds at most of rows that are not yet a batch."""
+"""Limit of the bytes of rows that wait to become a batch of `scan`."""
 LOOKED_AT = 1000
 """Logs that are opened for the wanted fields before any is converted."""
 
@@ -131,7 +131,7 @@ def read_described(
 def tables_of_batch(
     batch: FrameBatch, units: str | None, enums: str | None, invalid: str | None
 ) -> dict[str, Table]:
-    """What `FrameBatch.tables` gives: the native class calls this."""
+    """The tables of `FrameBatch.tables`: the native class calls this."""
     selection = Selection.of(None, units=units, enums=enums, invalid=invalid)
     found = joined(batch.columns(selection))
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
@@ -163,7 +163,7 @@ def tables_of(
     fields: str | Iterable[str] | None,
     wide: bool,
 ) -> dict[str, Table]:
-    """What `read` gives of the tables of a log; they have all columns if it gives wide ones."""
+    """The result of `read` for the tables of a log. Tables for wide ones have all columns."""
     tables = {name: tidy(name, batches, path) for name, batches in sorted(found.items())}
     if not wide:
         return tables

@@ -38,7 +38,7 @@ bend what was flown far from the equator.
 
 @dataclass(frozen=True)
 class Rewritten:
-    """What became of logs."""
+    """The result of rewriting logs."""
 
     bytes: int
     """Read, decompressed."""
@@ -51,8 +51,8 @@ class Rewritten:
     restamped: int
     """Records behind damage whose time was days off and is now that of the last good one."""
     damage: str | None
-    """What is wrong with a compressed file, of several with each by name; everything before that
-    was read.
+    """The damage of compressed files, with the name of each if there are several. Everything in front
+    of it was read.
     """
 
 

@@ -52,7 +52,7 @@ def scan_polars(
 
 
 class _Source:
-    """What polars calls for the rows of a scan. It is pickled by the arguments of the scan."""
+    """The callback of polars for the rows of a scan. It is pickled by the arguments of the scan."""
 
     def __init__(
         self,

@@ -20,12 +20,11 @@ if TYPE_CHECKING:
     from .selection import Selection
 
     Opened = tuple[DataflashTables, list[tuple[str, RecordBatches]] | None]
-    """What a dataflash log says about itself, and its tables if they were found on the way."""
+    """The survey of a dataflash log, and its tables if the same pass found them."""
 
 Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
-"""What the native readers take: a path; the path of a log and the first byte, and the first that is
-not meant any more; the same of a telemetry log, and whether its records have time stamps; the bytes
-of a log.
+"""Sources of the native readers: a path, a path with the first byte and the end of a range, the same
+with whether its records have time stamps, or the bytes of a log.
 """
 
 
@@ -40,8 +39,8 @@ def is_dataflash(source: Source) -> bool:
 
 
 def open_dataflash(source: Source, path: str) -> DataflashTables | None:
-    """What a dataflash log says about itself; None for another kind of log. LogFormatError for one
-    that lacks its first part, and whose records nothing describes.
+    """The survey of a dataflash log; None for another kind of log. LogFormatError for one that lacks its
+    first part, so that nothing describes its records.
     """
     tables = DataflashTables.open(source)
     if tables is not None:

@@ -22,7 +22,7 @@ def staging(root: str) -> Iterator[str]:
         tempfile.TemporaryDirectory(prefix=PREFIX, dir=root, ignore_cleanup_errors=True) as folder,
         ExitStack() as stack,
     ):
-        # Where a file system has no locks, such a folder is never taken for left over.
+        # Without locks of the file system no folder counts as left over.
         with suppress(OSError):
             stack.enter_context(_locked(folder))
         yield folder

@@ -26,7 +26,7 @@ _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 
 
 class Files(Protocol):
-    """What a manifest needs of the place it is kept at."""
+    """The store of a manifest."""
 
     appends: bool
     """Whether adding to a file costs no more than what is added."""
@@ -69,7 +69,7 @@ class Store:
                 yield one.name
 
     def has_content(self, name: str) -> bool:
-        """Whether there is such a file, with anything in it."""
+        """Whether the file exists and is not empty."""
         try:
             return os.path.getsize(self.place(name)) > 0
         except OSError:
@@ -160,7 +160,7 @@ def drafts_of(*names: str) -> Callable[[str], bool]:
 
 
 def draft_of(path: str) -> str:
-    """What a file is called until it is complete; nobody else's is. A URL is a path, too."""
+    """A unique name for a file or URL that is not complete yet."""
     name = os.path.basename(path)
     stem = path.removesuffix(name) + draft_stem(name)
     return f"{stem}.{os.getpid()}-{secrets.token_hex(4)}.part"

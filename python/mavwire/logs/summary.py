@@ -58,7 +58,7 @@ class Sender:
 
 @dataclass(frozen=True)
 class LogInfo:
-    """What is in a log. Lists of places have 1000 entries at most; the counts count all."""
+    """The contents of a log. Lists of places have 1000 entries at most; the counts count all."""
 
     path: str
     bytes: int
@@ -93,7 +93,7 @@ class LogInfo:
     signed: int
     """Messages that are signed."""
     damage: str | None = field(default=None)
-    """What is wrong with the compressed file; everything before that is counted."""
+    """The damage of the compressed file. Everything in front of it is counted."""
     unknown: dict[tuple[int, int] | None, int] = field(default_factory=dict)
     """Messages that the dialect does not define: `{(id, CRC_EXTRA): count}`, under None those of further
     kinds. `types` has them as UNKNOWN_<id>.
@@ -128,7 +128,7 @@ def summarise(
 
 
 def info_of(path: str, found: dict[str, Any]) -> LogInfo:
-    """What the native side counted."""
+    """The LogInfo of native counts."""
     types = {name: _count(row) for name, row in found.pop("types").items()}
     senders = {
         ids: Sender(_count(row), *counts) for ids, (row, *counts) in found.pop("senders").items()

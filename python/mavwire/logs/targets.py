@@ -1,4 +1,4 @@
-"""Where a file goes that appears when it is complete: it takes the place of a file, and of nothing else."""
+"""Paths of output files that appear when they are complete. They replace files, and nothing else."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
 A_DEVICE = "a device is no log: save what is on it in a file"
 A_PIPE = "a pipe or a socket is no log: save what comes out of it in a file"
 OPEN_ALREADY = ("/dev/std", "/dev/fd/", "/proc/")
-"""What names files that are open, of which the place would be taken (`--out /dev/stdout >> FILE`)."""
+"""Names of open files, which must not be replaced (`--out /dev/stdout >> FILE`)."""
 
 
 def file_to_write(path: str | os.PathLike[str]) -> str:

@@ -33,7 +33,7 @@ def named(counts: Mapping[tuple[int, int] | None, int]) -> dict[str, int]:
 
 
 def unknown_text(counts: Mapping[str, int]) -> str:
-    """What was left out, and what to do about it."""
+    """The text about messages that were left out, with advice."""
     shown = [f"{count:,} of {kind}" for kind, count in list(counts.items())[:SHOWN]]
     if len(counts) > SHOWN:
         shown.append(f"{sum(list(counts.values())[SHOWN:]):,} others")

@@ -109,7 +109,7 @@ def _in_body(field: Vector3, euler: Sequence[float], adjust: Sequence[float]) ->
 def expected_mag(
     GPS: Any, ATT: Any, roll_adjust: float = 0, pitch_adjust: float = 0, yaw_adjust: float = 0
 ) -> Vector3:
-    """What the compass should read at this position and attitude, turned by these degrees."""
+    """The expected reading of the compass at this position and attitude, turned by these degrees."""
     adjust = (roll_adjust, pitch_adjust, yaw_adjust)
     return _in_body(expected_earth_field(GPS), inertial.euler(ATT), adjust)
 
@@ -122,7 +122,7 @@ def expected_mag_latlon(
     pitch_adjust: float = 0,
     yaw_adjust: float = 0,
 ) -> Vector3:
-    """What the compass should read at this point and attitude, turned by these degrees."""
+    """The expected reading of the compass at this point and attitude, turned by these degrees."""
     adjust = (roll_adjust, pitch_adjust, yaw_adjust)
     return _in_body(expected_earth_field_lat_lon(lat, lon), inertial.euler(ATT), adjust)
 

@@ -1,4 +1,4 @@
-"""What the functions of mavextra remember between calls.
+"""State of the functions of mavextra between calls.
 
 A filter keeps its history under the ``key`` that an expression gives it; others keep the first
 fix, the origin or an estimator. ``reset_state_data`` forgets all of it, before another log is read.

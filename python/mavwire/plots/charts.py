@@ -40,7 +40,7 @@ class Line:
 
 @dataclass
 class Chart:
-    """What is drawn."""
+    """Lines and flight modes to draw."""
 
     title: str
     lines: list[Line]
@@ -48,17 +48,17 @@ class Chart:
     absolute: bool
     """Times are since 1970."""
     across: str = "seconds"
-    """What the x axis has if it is not times since 1970."""
+    """The label of an x axis that has no times since 1970."""
 
 
 @dataclass
 class Plotted:
-    """What `plot` has done."""
+    """The result of `plot`."""
 
     path: str
     points: int
     notes: list[str]
-    """What was left out and why, and times that jump."""
+    """Values that were left out, with the reason, and jumps of times."""
 
 
 def plot(

@@ -1,4 +1,4 @@
-"""What is plotted: `EXPR`, or `EXPR:2` for the axis on the right.
+"""Expressions to plot: `EXPR`, or `EXPR:2` for the axis on the right.
 
 An expression over plain fields of one message type is computed over whole columns; every other one
 is evaluated message by message, as conditions are.
@@ -64,7 +64,7 @@ class Expression:
     conditional: bool = False
     """It has a value only where its condition holds."""
     places: Places = frozenset()
-    """What it reads."""
+    """The fields that it reads."""
 
     @property
     def type(self) -> str:
@@ -227,7 +227,7 @@ def _value(node: ast.AST, columns: Columns) -> Any:
 
 
 def as_number(value: Any) -> float:
-    """What an expression gives, as a number; ValueError says what it is instead."""
+    """The value of an expression as a number. ValueError names any other value."""
     try:
         return float(value)
     except OverflowError:

@@ -82,7 +82,7 @@ class Line:
 
 @dataclass
 class Graph:
-    """What is drawn."""
+    """Lines and shades to draw."""
 
     style: Style
     lines: list[Line] = field(default_factory=list)

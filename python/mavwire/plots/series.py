@@ -49,7 +49,7 @@ class Series:
 
 @dataclass
 class LogSeries:
-    """What one log shows."""
+    """The lines of one log."""
 
     path: str
     series: list[Series]
@@ -352,7 +352,7 @@ class _Collector:
         return bool(self._instances.setdefault(kind, instance) != instance)
 
     def series(self, messages: dict[str, Any]) -> Series:
-        """What was gathered, or why nothing was: by the newest messages."""
+        """The gathered values. Without any, the newest messages tell why."""
         import numpy as np
 
         if not self._times and self._error in (None, NO_NUMBER, NO_VALUE):

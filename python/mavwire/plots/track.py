@@ -56,7 +56,7 @@ class Track:
 
     @property
     def name(self) -> str:
-        """What the log is called."""
+        """The name of the log."""
         return os.path.basename(self.path)
 
     def colours(self) -> dict[str, str]:

@@ -13,7 +13,7 @@ from mavwire._text import cannot_write
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
 NO_DISPLAY = "there is no display for a window"
 BLIND = frozenset(("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"))
-"""What matplotlib draws with where it opens no windows."""
+"""Backends of matplotlib that open no windows."""
 
 
 class Figures:

@@ -22,7 +22,7 @@ RECEIVING = ("parse_char", "parse_buffer", "decode", "check_signature")
 
 
 class Shadow:
-    """What one link keeps beside it: a twin to receive and a twin to send."""
+    """The twins of one link: one to receive and one to send."""
 
     def __init__(self, counterpart: Counterpart, namespace: dict[str, Any]) -> None:
         self.receiver = Receiver(counterpart)
@@ -38,7 +38,7 @@ def _replaced(mav: Any, shadowed: type, names: tuple[str, ...]) -> bool:
 
 
 class _Comparing:
-    """What the shadow of a `MAVLink` class adds to it: its calls are compared, where they can be."""
+    """The methods that a shadow adds to a `MAVLink` class. They compare calls where possible."""
 
     _shadow: Shadow | None = None
     # The class itself, to see what a subclass or an instance replaces.
@@ -55,7 +55,7 @@ class _Comparing:
                 return ours(data)
             # A replaced `decode` decides about streams; what it asks of this one is compared.
             replaced = operation != "decode" and _replaced(self, self._shadowed, RECEIVING)
-            # What is said of an argument of the wrong type differs on purpose.
+            # Errors for arguments of the wrong type differ on purpose.
             odd = operation == "decode" and not isinstance(data, bytearray)
             if replaced or odd or self.resync != "skip":  # type: ignore[attr-defined]
                 receiver.skip()

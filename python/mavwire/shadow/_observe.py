@@ -1,4 +1,4 @@
-"""What a user can see of messages and links, as plain values that compare across the packages.
+"""Visible values of messages and links, in a form that compares across the packages.
 
 Classes are compared by name. Fields are compared by their repr, so that NaN equals NaN and -0.0
 differs from 0.0.
@@ -76,7 +76,7 @@ def raised(error: Exception) -> Raised:
 
 
 def outcome(call: Callable[[], Any]) -> Any:
-    """What the call returns, or the exception it raises as a value."""
+    """The result of a call, or its exception as a value."""
     try:
         return call()
     except Exception as error:
@@ -98,7 +98,7 @@ def sending_state(mav: Any) -> dict[str, Any]:
 
 
 def first_difference(ours: Any, theirs: Any) -> tuple[str, Any, Any]:
-    """What differs, by name, and its two values."""
+    """The name of the first difference, and its two values."""
     if isinstance(ours, Seen) and isinstance(theirs, Seen):
         ours, theirs = ours._asdict(), theirs._asdict()
     if isinstance(ours, dict) and isinstance(theirs, dict):

@@ -89,7 +89,7 @@ class Receiver:
         return result
 
     def _ours(self, ours: Callable[[Any], Any], data: Any) -> Any:
-        """What `ours` returns or raises."""
+        """The result of `ours`, or its exception."""
         self.busy = True
         try:
             return ours(data)

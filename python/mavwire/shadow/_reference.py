@@ -63,7 +63,7 @@ def _take_from_sys() -> dict[str, ModuleType]:
 
 
 def _silent_logger() -> logging.Logger:
-    """What pymavlink would log about the traffic, mavwire has logged."""
+    """A logger without output: mavwire has logged the traffic already."""
     logger = logging.Logger("mavwire.shadow")
     logger.disabled = True
     return logger

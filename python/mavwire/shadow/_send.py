@@ -27,7 +27,7 @@ class Tap:
 
 
 class Expected:
-    """What the twin would send; `again(timestamp)` says what it would with that signing timestamp."""
+    """The frame of the twin. `again(timestamp)` makes it with another signing timestamp."""
 
     def __init__(
         self,

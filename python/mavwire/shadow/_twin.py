@@ -63,7 +63,7 @@ def twin_class(module: ModuleType) -> type:
 
 
 class Counterpart:
-    """What the twins of one dialect module share."""
+    """The common parts of the twins of one dialect module."""
 
     def __init__(self, module: ModuleType, namespace: dict[str, Any]) -> None:
         self.module = module
@@ -119,7 +119,7 @@ class Counterpart:
 
 
 class Answers:
-    """What `allow_unsigned_callback` said in mavwire's run, to be said again in the twin's."""
+    """The answers of `allow_unsigned_callback` in mavwire's run, which are repeated in the twin's."""
 
     def __init__(self, mav: Any) -> None:
         self._signing = mav.signing

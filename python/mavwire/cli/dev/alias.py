@@ -132,8 +132,8 @@ def _known_files(folder: str) -> list[str]:
 
 
 def _what_pymavlink_is() -> str:
-    """What a fresh interpreter of this environment imports. It looks into this folder only where
-    PYTHONPATH says so (-P).
+    """The module that a new interpreter of this environment imports. It searches this folder only if
+    PYTHONPATH names it (-P).
     """
     command = [sys.executable, "-P", "-c", _PROBE]
     result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)

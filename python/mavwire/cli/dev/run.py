@@ -178,8 +178,8 @@ def _has_main(path: str) -> bool:
 
 
 def _set_first_path(entry: str) -> None:
-    """What the interpreter puts in front of ``sys.path``; nothing where it was told not to (``-P``,
-    ``-I``).
+    """Set the first entry of ``sys.path`` as the interpreter does, unless it was started with ``-P`` or
+    ``-I``.
     """
     if not sys.flags.safe_path:
         sys.path[0] = entry

@@ -82,7 +82,7 @@ def dump(
     from mavwire._native import dump_log
 
     is_table = isinstance(shape, Csv)
-    # What the native loop reads; see `rust/py/src/dump.rs`.
+    # The native loop reads these; see `rust/py/src/dump`.
     options = SimpleNamespace(
         format="none" if args.quiet else args.format,
         write=write,

@@ -1,4 +1,4 @@
-"""What the subcommands that write a log have in common: their options, progress, and report."""
+"""Common parts of the subcommands that write a log: options, progress and report."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def add_common(parser: ArgumentParser) -> None:
 
 
 def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int:
-    """Let `work(progress=)` write `args.out`, and tell what became of the logs."""
+    """Let `work(progress=)` write `args.out`, and print a report."""
     if args.out == "-":
         raise CommandError("--out is a file, not standard output: ./- is a file of that name")
     size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
@@ -46,7 +46,7 @@ def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewr
 
 
 def report(out: str, done: Rewritten) -> str:
-    """What was done, in lines."""
+    """The lines of the report."""
     lines = [f"{printable(out)}: {done.written:,} of {done.records:,} records"]
     if done.bad_bytes:
         lines.append(

@@ -53,7 +53,7 @@ class Field:
         return f"{self.message}.{self.name}"
 
     def changes(self, msg: Any) -> list[str]:
-        """What a message changes: `+NAME` for each bit that is set now, `-NAME` for the others."""
+        """The changes by a message: `+NAME` for each bit that is set now, `-NAME` for the others."""
         value = getattr(msg, self.name)
         changed, self._last = value ^ self._last, value
         bits = [1 << place for place in range(changed.bit_length()) if changed >> place & 1]

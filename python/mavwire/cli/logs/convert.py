@@ -110,7 +110,7 @@ def _is_fleet(args: argparse.Namespace) -> bool:
 
 
 def _hint(path: str, logs: list[str]) -> str:
-    """What to do about a pattern that was taken for the name of a log, which is missing."""
+    """Advice for a pattern that was taken as the name of a missing log."""
     patterns = {os.path.abspath(log) for log in logs if glob.has_magic(log)}
     if path not in patterns or os.path.lexists(path):
         return ""

@@ -20,7 +20,7 @@ from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record
 
 MAV_TYPE_GCS = 6
-# What a stretch needs to be understood; and the text of a dataflash log that names the vehicle.
+# Types that readers of a stretch need, and the start of the text that names the vehicle.
 TELEMETRY_KEPT = frozenset(("PARAM_VALUE", "MISSION_ITEM", "MISSION_ITEM_INT"))
 DATAFLASH_KEPT = frozenset(("FMT", "UNIT", "MULT", "FMTU", "PARM", "CMD"))
 VEHICLE = "Ardu"

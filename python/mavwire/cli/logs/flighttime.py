@@ -39,7 +39,7 @@ def main(args: Namespace) -> int:
 
 
 class Fix(NamedTuple):
-    """What a GPS message says, in degrees and metres a second. `stamp` changes with every fix."""
+    """A GPS message in degrees and metres a second. `stamp` changes with every fix."""
 
     fix_type: int
     groundspeed: float

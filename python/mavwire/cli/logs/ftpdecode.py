@@ -64,7 +64,7 @@ class Transfer:
             self._parts[offset] = data
 
     def content(self) -> tuple[bytes, int]:
-        """What came, with zeros for what did not, and how many bytes are missing."""
+        """The received bytes, with zeros for missing ones, and the number of missing bytes."""
         found = bytearray()
         missing = 0
         for offset, data in sorted(self._parts.items()):
@@ -95,12 +95,12 @@ class Sessions:
     """Which file each session is about."""
 
     def __init__(self, strays: Counter[int]) -> None:
-        # By the system that has the file and the session; of system 0 what all were asked for.
+        # By the system that has the file, and the session. System 0 is a request to all.
         self.opened: dict[tuple[int, int], Transfer] = {}
         self._strays = strays
-        # What was opened at any time, and the number of the last request for it.
+        # All files that were opened, and the number of the last request for each.
         self._known: dict[tuple[int, int], int] = {}
-        # Of files that nobody has said to have opened: system and number of the request, and where they are.
+        # Files without an acknowledged request: system and number of the request -> key in `opened`.
         self._asked: dict[tuple[int, int], tuple[int, int]] = {}
 
     def take(self, msg: Any, packet: Any) -> Iterator[Transfer]:
@@ -133,8 +133,8 @@ class Sessions:
         return transfer
 
     def _open(self, system: int, packet: Any) -> Iterator[Transfer]:
-        """Who says that it has opened a file sends it, in the session that it says: a PX4 chooses that
-        itself. What it had in that session is at its end.
+        """The system that acknowledges a request sends the file, in the session of its answer: a PX4
+        chooses the session itself. An earlier file of that session has ended.
         """
         key, number = (system, packet.session), (packet.seq - 1) % (1 << 16)
         asked = self._asked_for(key, number)

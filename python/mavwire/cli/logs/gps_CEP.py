@@ -52,7 +52,7 @@ def main(args: Namespace) -> int:
 
 
 def _sysid(log: Reading, msg: Any) -> int:
-    """Who has the receiver; dataflash logs tell it by a parameter."""
+    """The system id of the receiver. Dataflash logs have it as a parameter."""
     if hasattr(log.link, "mav"):
         return int(msg.get_srcSystem())
     return int(log.link.params.get("SYSID_THISMAV", 0))

@@ -33,7 +33,7 @@ LISTED = 5
 
 @dataclass
 class Summary:
-    """What one pass over a log found."""
+    """The result of one pass over a log."""
 
     info: LogInfo
     size: int
@@ -248,8 +248,8 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
 
 
 def read(path: str, dialect: str | None = None, name: str | None = None) -> Summary:
-    """What is in a log, which is called `name`. OSError for a file that cannot be read, ValueError for
-    what is no log.
+    """Count a log, which is called `name`. OSError for a file that cannot be read, ValueError for a file
+    that is not a log.
     """
     from mavwire.links.recognise import check_usable, no_such_log
     from mavwire.logs import TelemetryLog, open_log

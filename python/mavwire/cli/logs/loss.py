@@ -52,7 +52,7 @@ class Sender(NamedTuple):
 
 
 class Losses:
-    """What is missing between the messages of a log. `sysid` and `compid` choose whose."""
+    """Gaps between the messages of a log. `sysid` and `compid` choose senders."""
 
     def __init__(
         self, sysid: int | None = None, compid: int | None = None, by_type: bool = False

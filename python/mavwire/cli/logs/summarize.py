@@ -11,11 +11,11 @@ from mavwire.cli._times import local_time
 from mavwire.cli.logs._track import Track
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
-# Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
+# Bits of base_mode: MAV_MODE_FLAG_AUTO_ENABLED and MAV_MODE_FLAG_GUIDED_ENABLED.
 AUTONOMOUS = 4 | 8
-# The type of a HEARTBEAT's sender that does not fly.
+# MAV_TYPE_GCS
 GROUND_STATION = 6
-# 2009, in seconds since 1970: an earlier time is of no clock that was set, such as one since the vehicle's start.
+# 2009, in seconds since 1970. An earlier time is not a date, but a time since the vehicle's start.
 EARLIEST = 1_230_768_000
 
 
@@ -44,7 +44,7 @@ def main(args: Namespace) -> int:
 
 
 class Summary(NamedTuple):
-    """What is known of a log; times are in seconds. `dated` is the first that is one of a clock."""
+    """A summary of a log. Times are in seconds. `dated` is the first time of a clock that was set."""
 
     began: float
     dated: float | None
@@ -112,8 +112,8 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
 
 
 def _date(msg: Any) -> float | None:
-    """When it was, by the log or by GPS; None if neither says. That microseconds are compared with EARLIEST, too, so that
-    20 minutes are enough, is mavsummarize.py's.
+    """The time of a message by the log or by GPS; None if neither has a date. As in mavsummarize.py,
+    microseconds are compared with EARLIEST too, so that 20 minutes are enough.
     """
     now: float = msg._timestamp
     if now >= EARLIEST:

@@ -68,7 +68,7 @@ def sensor_of(msg: Any) -> str:
 
 
 class Samples:
-    """What one sensor measured on its three axes."""
+    """The measurements of one sensor on its three axes."""
 
     def __init__(self) -> None:
         self.seconds: list[float] = []

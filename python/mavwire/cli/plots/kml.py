@@ -15,7 +15,7 @@ from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
-# What mavkml.py takes for the state in the beginning, and what it calls that until one is told.
+# The state that mavkml.py assumes at the start, and its name for it before the first STAT.
 FIRST_STATE, NO_STATE = 0, -1
 # Seconds between points, at least.
 STEP = 0.1

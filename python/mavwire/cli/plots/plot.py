@@ -18,7 +18,7 @@ from mavwire.cli._shared_arguments import add_shared
 
 LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink")
 PACKED = (".gz", ".zst")
-"""What may stand behind them. By itself it may be a field: XKF1.GZ."""
+"""Suffixes after those. Alone they may be a field: XKF1.GZ."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -44,7 +44,7 @@ class Correction:
 
 @dataclass
 class Limits:
-    """What may be changed, and how far."""
+    """The parameters of the fit, and their limits."""
 
     scale: tuple[float, float] = (0.6, 1.5)
     offset: float = 1500.0
@@ -102,7 +102,7 @@ def _solve(
 
 
 def _matrix_columns(field: Any, elliptical: bool) -> list[Any]:
-    """What one unknown of the matrix adds to the corrected field: a scale, or six numbers."""
+    """The columns of the unknowns of the matrix: a scale, or six numbers."""
     import numpy as np
 
     if not elliptical:
@@ -138,7 +138,7 @@ def _correction(values: list[float], start: Correction, limits: Limits) -> Corre
 
 
 def _within(found: Correction, limits: Limits) -> Correction:
-    """What is beyond a limit is put on it."""
+    """Clip all values to the limits."""
     import numpy as np
 
     return Correction(

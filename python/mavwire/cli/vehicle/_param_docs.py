@@ -1,5 +1,5 @@
-"""What the values of ArduPilot's parameters mean, by the definitions that it publishes
-(`apm.pdef.xml`) and that MAVProxy keeps a copy of for each vehicle.
+"""Meanings of the values of ArduPilot's parameters, from its definitions (`apm.pdef.xml`). MAVProxy
+keeps a copy of them for each vehicle.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class ParameterDocs:
             self._values[name] = {one.get("code", ""): one.text or "" for one in codes}
 
     def meaning(self, name: str, value: float) -> str | None:
-        """What a value means; None where no definition says."""
+        """The meaning of a value; None without a definition."""
         if not math.isfinite(value):
             return None
         if name in self._bits:

@@ -11,7 +11,7 @@ LONGEST_GAP = 10.0
 
 
 class Flight:
-    """What FlightGear is told: the newest attitude, position and speed of the vehicle."""
+    """The state for FlightGear: the newest attitude, position and speed of the vehicle."""
 
     def __init__(self, gps_altitude: bool = False) -> None:
         from mavwire.fgFDM import fgFDM

@@ -117,7 +117,7 @@ def _limits(args: Namespace) -> Any:
 
 
 class Samples:
-    """What the compass measured without any correction, and what it should have."""
+    """The measurements of the compass without any correction, and the expected ones."""
 
     def __init__(self, log: Reading, args: Namespace) -> None:
         self._log, self._args = log, args

@@ -10,7 +10,7 @@ from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("PARAM_VALUE", "PARM")
-# What QGroundControl's files say of every parameter: the vehicle, its autopilot, a float.
+# Columns of QGroundControl's files: the ids of vehicle and autopilot, and the type float.
 QGC_OWNER = "1 1"
 QGC_TYPE = 9
 

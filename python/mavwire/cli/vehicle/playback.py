@@ -78,7 +78,7 @@ def main(args: Namespace) -> int:
 
 
 def _messages(log: Reading, args: Namespace, keys: Counter[str]) -> Iterator[Any]:
-    """What is sent: everything but damaged bytes, and messages that carry a key, which are counted."""
+    """The messages to send: all but BAD_DATA and messages with a signing key, which `keys` counts."""
     for msg in log.messages(None, args.condition):
         if msg.get_msgId() == SETUP_SIGNING:
             keys[msg.get_type()] += 1
