@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from mavwire.logs.sources import Source
 
 IN_MEMORY = 128 << 20
-"""Bytes of an object that are held in memory; more of them go to a file."""
-CHUNK = 8 << 20
+"""Bytes of a log that are held in memory; a larger one goes to a file."""
 
 ByteRange = tuple[int, int]
 """The first byte, and the first one that does not belong to it."""
@@ -113,16 +112,17 @@ def located(
         return
     fs, inner = file_system(path, options)
     size = fs.size(inner)
-    start, end = byte_range[:2] if byte_range else (0, size)
-    if byte_range is not None and size is not None:
-        _check_range(path, *byte_range[:2], size)
-    if end is not None and end - start <= IN_MEMORY:
+    if byte_range is not None:
+        start, end = byte_range[:2]
+        _check_range(path, start, end, end if size is None else size)
         yield bytes(fs.cat_file(inner, start=start, end=end))
+        return
+    if size is not None and size <= IN_MEMORY:
+        yield bytes(fs.cat_file(inner))
         return
     with tempfile.TemporaryDirectory(prefix="mavwire-") as folder:
         copy = os.path.join(folder, os.path.basename(inner) or "log")
-        with fs.open(inner, "rb") as source, open(copy, "wb") as target:
-            _copy(source, target, start, end)
+        fs.get_file(inner, copy)
         yield copy
 
 
@@ -167,14 +167,3 @@ def check_divisible(path: str, options: Mapping[str, Any] | None = None) -> None
     else:
         return
     raise LogFormatError(f"no range of {what}; leave byte_range out: {path!r}")
-
-
-def _copy(source: Any, target: Any, start: int, end: int | None) -> None:
-    source.seek(start)
-    left = None if end is None else end - start
-    while left is None or left > 0:
-        piece = source.read(CHUNK if left is None else min(CHUNK, left))
-        if not piece:
-            return
-        target.write(piece)
-        left = None if left is None else left - len(piece)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from .reading import scan
 from .sources import check_run
 from .telemetry import open_log
 
@@ -17,14 +16,11 @@ NO_RECORD = "the log ends within its first record: repeat the copy or the downlo
 
 def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
     """Why a log has no record; empty for a log that has any. LogFormatError for a file that is not a log."""
-    # Small batches come early, and those of a row take their time.
-    if next(iter(scan(path, dialect=dialect, batch_rows=256)), None) is not None:
-        return ""
     with open_log(path, dialect=dialect) as log:
         found = log.info()
-    check_run(path, path, found.bytes, found.bad_bytes, found.damage)
     if found.messages:
         return ""
+    check_run(path, path, found.bytes, found.bad_bytes, found.damage)
     return NO_RECORD if found.bytes else EMPTY
 
 

@@ -199,7 +199,7 @@ class TelemetryLog(Log):
             kind = identify(self.path)
         self.compressed = kind in COMPRESSED
         if self.compressed:
-            found, damage = self._first_records()
+            found, damage = self._records(2)  # the second block sees where a short log ends
             if not found:
                 check_has_records(self.path, self.path, damage)
         elif kind not in TELEMETRY | {LogKind.CUT} and not self._may_have_records(kind):
@@ -211,23 +211,15 @@ class TelemetryLog(Log):
         """
         if kind not in (LogKind.UNKNOWN, LogKind.PCAP):
             return False
-        return file_status(self.path)[0] > FOREIGN_PROBE or self._has_record()
+        return file_status(self.path)[0] > FOREIGN_PROBE or self._records(None)[0]
 
-    def _has_record(self) -> bool:
-        """Whether a record is found anywhere."""
-        native = self.dialect.MAVLink(None)._dialect
-        scan = LogScan(self.path, native, self.resync == "rescan")
-        return next(scan, None) is not None
-
-    def _first_records(self) -> tuple[bool, str | None]:
-        """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
+    def _records(self, blocks: int | None) -> tuple[bool, str | None]:
+        """Whether there is a record in the first blocks, and the damage of a compressed file."""
         from mavwire._native import LogColumns
 
-        batches = LogColumns(
-            self.path, self.dialect.MAVLink(None)._dialect, Selection(batch_rows=0)
-        )
-        # A second look sees where a short one ends.
-        return any(any(batch) for batch in islice(batches, 2)), batches.progress()[2]
+        native = self.dialect.MAVLink(None)._dialect
+        run = LogColumns(self.path, native, Selection(batch_rows=0))
+        return any(map(any, islice(run, blocks))), run.progress()[2]
 
 
 def _reopened(path: str, dialect: tuple[str, bool], resync: str) -> TelemetryLog:

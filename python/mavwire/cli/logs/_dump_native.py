@@ -19,7 +19,6 @@ SLOW_OPTIONS = (
     "follow", "no_timestamps", "planner", "verbose", "show_types", "show_loss", "reduce",
     "csv_safe", "event_definitions",
 )  # fmt: skip
-NO_SOURCE = -1
 
 
 def options_fit(args: Namespace) -> bool:
@@ -90,9 +89,9 @@ def dump(
         wanted=selection.wants,
         types=selection.visited,
         progress=progress,
-        source_system=_byte(args.source_system),
-        source_component=_byte(args.source_component),
-        link=_byte(args.link),
+        source_system=args.source_system,
+        source_component=args.source_component,
+        link=args.link,
         show_source=args.show_source,
         show_seq=args.show_seq,
         separator=shape.separator if is_table else ",",
@@ -100,8 +99,3 @@ def dump(
         local_time=local_time,
     )
     dump_log(log, options)
-
-
-def _byte(number: int | None) -> int | None:
-    """The id of a source or link; `NO_SOURCE` for a number that is no id."""
-    return number if number is None or 0 <= number <= 255 else NO_SOURCE
