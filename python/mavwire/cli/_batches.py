@@ -129,7 +129,7 @@ class Spectrum:
             row.append(batch.axis(number))
             if self._overlap and len(row) > 1:
                 self._add_between(number, row)
-            self._power[number] = self._power[number] + self._density(row[-1])
+            self._power[number] = self._power[number] + density(row[-1], self.rate, self._window)
             del row[:-1]
         self.count += 1 + (self._overlap and self.count > 0)
 
@@ -140,10 +140,7 @@ class Spectrum:
         half = self.length // 2
         between = np.concatenate((row[-2][half:], row[-1][:half]))[: self.length]
         if len(between) == self.length:
-            self._power[number] = self._power[number] + self._density(between)
-
-    def _density(self, values: Any) -> Any:
-        return density(values, self.rate, self._window)
+            self._power[number] = self._power[number] + density(between, self.rate, self._window)
 
     def frequencies(self) -> Any:
         """Of the densities, in Hz."""

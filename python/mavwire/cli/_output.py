@@ -76,11 +76,6 @@ def _named(name: str) -> Iterator[None]:
 def refuse_log(path: str, logs: Iterable[str], option: str = "--output") -> None:
     """CommandError if a file to write is one of the logs that are read."""
     for log in logs:
-        if _same_file(log, path):
+        if os.path.exists(log) and os.path.exists(path) and os.path.samefile(log, path):
             told = f"{option} {path} is the log itself: name another file"
             raise CommandError(told.lstrip())
-
-
-def _same_file(one: str, other: str) -> bool:
-    """Whether two names, links among them, lead to one file."""
-    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)

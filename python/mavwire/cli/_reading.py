@@ -8,6 +8,7 @@ import time
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from itertools import chain, islice
 from typing import Any, TypeVar
 
@@ -146,8 +147,7 @@ class Reading:
     ) -> Iterator[Any]:
         """The messages for these arguments, to the end of the log."""
         receive = self.link.recv_match
-        while (msg := receive(condition, types, blocking)) is not None:
-            yield msg
+        return iter(lambda: receive(condition, types, blocking), None)
 
     @property
     def used_index(self) -> bool:
@@ -168,15 +168,9 @@ class Reading:
             if os.fstat(self.link.f.fileno()).st_size < self.link.f.tell():
                 text = f"mavwire {self.command}: the log was cut, it is read from its start again"
                 tell(f"{text}: {self.path!r}")
-                self._start_again()
+                # The index is built again too.
+                getattr(self.link, "init_arrays", partial(self.link.f.seek, 0))()
             time.sleep(FOLLOW_EVERY)
-
-    def _start_again(self) -> None:
-        """Read from the start; an index of what was there before is made anew."""
-        if hasattr(self.link, "init_arrays"):
-            self.link.init_arrays()
-        else:
-            self.link.f.seek(0)
 
     def _is_text_log(self) -> bool:
         if hasattr(self.link, "mav"):

@@ -113,7 +113,7 @@ class DataflashLog(Log):
             raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
         start = float("-inf") if selection.start is None else selection.start
         end = float("inf") if selection.end is None else selection.end
-        reader_class = DFReader_binary if self._is_binary() else DFReader_text
+        reader_class = DFReader_binary if self._tables().is_binary else DFReader_text
         with reader_class(self.path) as reader:
             first = reader.clock.timestamp
             newest = first if isfinite(first) else reader.clock.timebase
@@ -124,9 +124,6 @@ class DataflashLog(Log):
                     msg._timestamp = newest
                 if start <= newest < end:
                     yield msg
-
-    def _is_binary(self) -> bool:
-        return self._tables().is_binary
 
     def __len__(self) -> int:
         """How many records the log has."""

@@ -178,19 +178,23 @@ def separate_fields(query: Query, wide: bool = False) -> list[str] | None:
 def ids_of(dialect: Any, types: Iterable[Any]) -> tuple[list[int], list[int] | None]:
     """The ids of some types that the dialect has, and those that it has not; None for all of these."""
     known: set[int] = set()
-    unknown: set[int] | None = set()
+    unknown: set[int] = set()
+    types = list(types)
     for one in types:
+        digits = "" if isinstance(one, type) else one.removeprefix(f"{UNKNOWN}_")
         if isinstance(one, type):
-            known.add(_class_id(one))
-        elif one == UNKNOWN:
-            unknown = None
-        elif one.startswith(f"{UNKNOWN}_") and one.removeprefix(f"{UNKNOWN}_").isdecimal():
-            number = _unknown_id(one)
-            if unknown is not None:
-                unknown.add(number)
-        else:
-            known.add(_named_id(dialect, one))
-    return sorted(known), None if unknown is None else sorted(unknown)
+            if not isinstance(msgid := getattr(one, "id", None), int):
+                raise ValueError(f"{one.__name__} is not a message class")
+            known.add(msgid)
+        elif digits != one and digits.isdecimal():
+            if len(digits.lstrip("0")) > len(str(MAX_ID)) or int(digits) > MAX_ID:
+                raise ValueError(f"there is no message {one!r}: ids are 0 to {MAX_ID}")
+            unknown.add(int(digits))
+        elif has_message(dialect, one):
+            known.add(int(getattr(dialect, _ID + one)))
+        elif one != UNKNOWN:
+            raise ValueError(no_message(dialect, one))
+    return sorted(known), None if UNKNOWN in types else sorted(unknown)
 
 
 def types_of(types: Any) -> list[str | type]:
@@ -215,23 +219,10 @@ def several(values: Any) -> Iterator[Any]:
         return iter([values])
 
 
-def _named_id(dialect: Any, name: str) -> int:
-    if has_message(dialect, name):
-        return int(getattr(dialect, _ID + name))
-    raise ValueError(no_message(dialect, name))
-
-
 def has_message(dialect: Any, name: object) -> bool:
     """Whether there is a message of this name; BAD_DATA and UNKNOWN have negative ids, and are none."""
     msgid = getattr(dialect, f"{_ID}{name}", None) if isinstance(name, str) else None
     return isinstance(msgid, int) and msgid >= 0
-
-
-def _unknown_id(name: str) -> int:
-    digits = name.removeprefix(f"{UNKNOWN}_").lstrip("0") or "0"
-    if len(digits) > len(str(MAX_ID)) or int(digits) > MAX_ID:
-        raise ValueError(f"there is no message {name!r}: ids are 0 to {MAX_ID}")
-    return int(digits)
 
 
 def no_message(dialect: Any, name: object) -> str:
@@ -240,13 +231,6 @@ def no_message(dialect: Any, name: object) -> str:
     names = [one for one in names if has_message(dialect, one)]
     hint = did_you_mean(name.upper(), names) if isinstance(name, str) else ""
     return f"the dialect {dialect.DIALECT} has no message {name!r}{hint}"
-
-
-def _class_id(cls: type) -> int:
-    msgid = getattr(cls, "id", None)
-    if isinstance(msgid, int):
-        return msgid
-    raise ValueError(f"{cls.__name__} is not a message class")
 
 
 def system_of(number: Any) -> int:

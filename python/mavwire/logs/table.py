@@ -113,7 +113,10 @@ class Table:
             import numpy as np
 
         if isinstance(what, slice):
-            return self._sliced(what)
+            start, stop, step = what.indices(len(self))
+            if step != 1:
+                raise ValueError("rows of a table are sliced in steps of 1: use to_numpy()")
+            return self.slice(start, max(0, stop - start))
         if isinstance(what, list):
             return self.select(what)
         if not isinstance(what, str):
@@ -150,12 +153,6 @@ class Table:
         start, rows = min(start, len(self)), min(rows, len(self))  # as of Python's slices
         return Table(self.name, self._batches.slice(start, rows), self.path)
 
-    def _sliced(self, what: builtins.slice[Any, Any, Any]) -> Table:
-        start, stop, step = what.indices(len(self))
-        if step != 1:
-            raise ValueError("rows of a table are sliced in steps of 1: use to_numpy()")
-        return self.slice(start, max(0, stop - start))
-
     def sender(self, sysid: int, compid: int | None = None) -> Table:
         """The rows of one system, or of one of its components. ValueError for a table that does not
         tell who sent its rows.
@@ -187,8 +184,7 @@ class Table:
         field = self.instance_field
         if field is None:
             return {self.name: self}
-        parts = [(text, part) for text, part in self._batches.split(field)]
-        parts.sort(key=lambda part: (len(part[0]), part[0]))
+        parts = sorted(self._batches.split(field), key=lambda part: (len(part[0]), part[0]))
         named = ((f"{self.name}[{text}]", part) for text, part in parts)
         return {name: Table(name, part, self.path) for name, part in named}
 

@@ -323,7 +323,9 @@ class _Collector:
         instance = self.expression.instances.get(kind)
         if instance is not None and not is_instance(msg, instance):
             return
-        if instance is None and self._is_other_instance(kind, instance_of(msg)):
+        if instance is None and self._instances.setdefault(kind, instance_of(msg)) != instance_of(
+            msg
+        ):
             self._mixed = kind
         try:
             number = self._number(self.expression, messages)
@@ -342,14 +344,10 @@ class _Collector:
         self._values.append(number)
 
     def _number(self, expression: Expression, messages: dict[str, Any]) -> float | None:
-        lacks = lacks_value(expression.places, messages, self._how)
-        if lacks:
+        if lacks_value(expression.places, messages, self._how):
             self._error = self._error or NO_VALUE
             return nan
         return _number(expression, messages)
-
-    def _is_other_instance(self, kind: str, instance: Any) -> bool:
-        return bool(self._instances.setdefault(kind, instance) != instance)
 
     def series(self, messages: dict[str, Any]) -> Series:
         """The gathered values. Without any, the newest messages tell why."""

@@ -25,6 +25,7 @@ class Shadow:
     """The twins of one link: one to receive and one to send."""
 
     def __init__(self, counterpart: Counterpart, namespace: dict[str, Any]) -> None:
+        self.counterpart = counterpart
         self.receiver = Receiver(counterpart)
         self.sender = Sender(counterpart, namespace)
 
@@ -71,7 +72,7 @@ class _Comparing:
             ours(msg, force_mavlink1)
             return
         shadow = self._shadow
-        their_msg = shadow.sender.message(msg) if shadow is not None else None
+        their_msg = shadow.counterpart.message(msg) if shadow is not None else None
         if their_msg is None:
             ours(msg, force_mavlink1)
             return

@@ -92,11 +92,6 @@ def receiving_state(mav: Any) -> dict[str, Any]:
     return seen | {"buf_len()": mav.buf_len(), "bytes_needed()": mav.bytes_needed()}
 
 
-def sending_state(mav: Any) -> dict[str, Any]:
-    """Counters of what was sent."""
-    return {name: getattr(mav, name) for name in SENDING}
-
-
 def first_difference(ours: Any, theirs: Any) -> tuple[str, Any, Any]:
     """The name of the first difference, and its two values."""
     if isinstance(ours, Seen) and isinstance(theirs, Seen):

@@ -96,10 +96,6 @@ class Sender:
         plain = info.min_len == info.max_len and not mav.signing.sign_outgoing
         return is_v2 or plain
 
-    def message(self, msg: Any) -> Any:
-        """pymavlink's counterpart of a message, None if there is none."""
-        return self._counterpart.message(msg)
-
     def compare(
         self,
         mav: Any,
@@ -133,6 +129,7 @@ class Sender:
         finally:
             tap.expected, self.busy = None, False
         expected.meet(b"")
-        states = [_observe.sending_state(one) for one in (mav, twin)]
+        names = _observe.SENDING
+        states = [{name: getattr(one, name) for name in names} for one in (mav, twin)]
         if mav.send_callback is None and states[0] != states[1]:
             raise ShadowMismatch(operation, *_observe.first_difference(*states), None, b"")

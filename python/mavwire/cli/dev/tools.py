@@ -40,7 +40,10 @@ def main(args: Namespace) -> int:
     if args.install:
         return _install(folder)
     if args.uninstall:
-        _uninstall(folder)
+        own = _own(folder)
+        for name in own:
+            os.remove(os.path.join(folder, name))
+        print(f"{len(own)} scripts removed from {folder}")
         return 0
     _status(folder)
     return 0
@@ -103,13 +106,6 @@ def _own(folder: str) -> list[str]:
         return []
     names = (name for name in os.listdir(folder) if name.endswith(".py"))
     return sorted(name for name in names if _is_own(os.path.join(folder, name)))
-
-
-def _uninstall(folder: str) -> None:
-    own = _own(folder)
-    for name in own:
-        os.remove(os.path.join(folder, name))
-    print(f"{len(own)} scripts removed from {folder}")
 
 
 def _status(folder: str) -> None:

@@ -173,7 +173,7 @@ def _tell(transfer: Transfer, folder: str | None) -> None:
     content, missing = transfer.content()
     name = printable(transfer.name)
     print(f"# {name}")
-    if _is_parameters(transfer):
+    if transfer.name.startswith("@PARAM/param.pck"):
         _tell_parameters(name, content)
     elif missing:
         tell(f"mavwire ftpdecode: {name}: {missing} bytes are missing")
@@ -191,10 +191,6 @@ def _save(remote: str, content: bytes, folder: str) -> None:
         raise CommandError(f"--save: {path} is there already")
     with writing(path, option="--save") as file:
         file.write(content)
-
-
-def _is_parameters(transfer: Transfer) -> bool:
-    return transfer.name.startswith("@PARAM/param.pck")
 
 
 def _tell_parameters(file: str, content: bytes) -> None:

@@ -54,17 +54,12 @@ def read_samples(log: Reading, samples: dict[str, Samples], condition: str | Non
     """Add the samples of a log to those of each sensor. Returns the number of accelerometer samples."""
     count = 0
     for msg in log.messages(TYPES, condition):
-        name = sensor_of(msg)
+        kind = str(msg.get_type())
+        name = kind if kind in SENSORS else f"{kind}{getattr(msg, 'I', -1) + 1}"
         if name in SENSORS:
             samples.setdefault(name, Samples()).add(msg)
             count += name.startswith("ACC")
     return count
-
-
-def sensor_of(msg: Any) -> str:
-    """Which sensor measured: ACC1, GYR2, ..."""
-    kind = str(msg.get_type())
-    return kind if kind in SENSORS else f"{kind}{getattr(msg, 'I', -1) + 1}"
 
 
 class Samples:

@@ -101,12 +101,9 @@ def _points(log: Reading, args: Namespace) -> Iterator[str]:
         if point is None:
             continue
         last = point = point.filled_in(last)
-        if (_has_fix(point) or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
+        has_fix = args.nofixcheck or (point.fix_type or 0) >= FIX_2D
+        if has_fix and point.lat != 0.0 and point.lon != 0.0:
             yield point.gpx(msg._timestamp)
-
-
-def _has_fix(point: Point) -> bool:
-    return point.fix_type is not None and point.fix_type >= FIX_2D
 
 
 def _point(msg: Any) -> Point | None:

@@ -145,7 +145,9 @@ def _links(devices: list[str], mavutil: Any) -> list[Any]:
     for device in devices:
         try:
             links.append(mavutil.mavlink_connection(device, autoreconnect=True, retries=1))
-            reason = f"{device} is a log, not a link" if _is_log(links[-1], mavutil) else ""
+            is_log = isinstance(links[-1], mavutil.mavlogfile)
+            is_log |= not isinstance(links[-1], mavutil.mavfile)
+            reason = f"{device} is a log, not a link" if is_log else ""
         except (OSError, ValueError, ImportError) as error:
             reason = str(error) if device in str(error) else f"{device}: {error}"
         if reason:
@@ -153,10 +155,6 @@ def _links(devices: list[str], mavutil: Any) -> list[Any]:
                 link.close()
             raise CommandError(reason)
     return links
-
-
-def _is_log(link: Any, mavutil: Any) -> bool:
-    return isinstance(link, mavutil.mavlogfile) or not isinstance(link, mavutil.mavfile)
 
 
 def _announcement(vehicles: list[Vehicle], args: Namespace) -> str:
