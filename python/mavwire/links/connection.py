@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+from types import SimpleNamespace
 
 from mavwire._native import LogKind
 
@@ -28,41 +29,27 @@ if TYPE_CHECKING:
     from typing import Any
 
 
-class Options:
-    """The keyword arguments of `mavlink_connection`, with its meanings and defaults.
-
-    `opts` is what only the CSV reader knows.
-    """
-
-    def __init__(self, opts: dict[str, Any], **arguments: Any) -> None:
-        self.opts = opts
-        vars(self).update(arguments)
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any: ...
+class Options(SimpleNamespace):
+    """The keyword arguments of `mavlink_connection`. `opts` holds those that only the CSV reader knows."""
 
     @property
     def common(self) -> dict[str, Any]:
-        """What every live link takes."""
+        """The arguments of every live link."""
         names = ("source_system", "source_component", "use_native")
         return {name: getattr(self, name) for name in names}
 
     @property
     def pauses(self) -> dict[str, float]:
-        """`reconnect_delay` where somebody asks for another one: what a program puts in place of a class
-        need not know it."""
-        return (
-            {} if self.reconnect_delay == 1 else {"reconnect_delay": _delay(self.reconnect_delay)}
-        )
+        """`reconnect_delay` unless it is the default. A class that a program puts in place of a link's need not
+        know it."""
+        delay = self.reconnect_delay
+        return {} if delay == 1 else {"reconnect_delay": _delay(delay)}
 
     @property
     def reader(self) -> dict[str, Any]:
-        """What the readers of dataflash and CSV logs take."""
-        return {
-            "zero_time_base": self.zero_time_base,
-            "progress_callback": self.progress_callback,
-        }
+        """The arguments of the readers of dataflash and CSV logs."""
+        names = ("zero_time_base", "progress_callback")
+        return {name: getattr(self, name) for name in names}
 
 
 def _delay(value: Any) -> Any:

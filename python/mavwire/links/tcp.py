@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from _thread import get_ident
 
 from mavwire._native import close_port
 
@@ -50,8 +49,6 @@ class mavtcp(ReconnectingLink):
         self.retries = retries
         self.reconnect_delay = reconnect_delay
         self.fd: int | None = None
-        # Threads that are telling of an end.
-        self._telling: set[int] = set()
         self._begin_unconnected()
         self.do_connect()
         super().__init__(self.fd, address, source_system=source_system,
@@ -103,31 +100,19 @@ class mavtcp(ReconnectingLink):
     def handle_disconnect(self) -> None:
         """The peer broke the connection."""
         print(f"Connection reset or closed by peer on {self._socket_kind} socket")
-        self._lost()
+        self.reconnect()
 
     def handle_eof(self) -> None:
         """The peer closed the connection."""
         print(f"EOF on {self._socket_kind} socket")
-        self._lost()
-
-    def _lost(self) -> None:
-        """Connect again, and let go of the connection before if it is a program that says that it ended."""
-        port = self.port
-        if port is not None and get_ident() not in self._telling:
-            self._let_go(port)
         self.reconnect()
 
     def _end(self, port: Any, handle: Callable[[], None]) -> bool:
         """The end of the connection `port` was noticed: let go of it, and have it handled. False if another thread
         has done so, as it may be the next connection's turn by then."""
-        thread = get_ident()
         if not self._let_go(port):
             return False
-        self._telling.add(thread)
-        try:
-            handle()
-        finally:
-            self._telling.discard(thread)
+        handle()
         return True
 
     def _let_go(self, port: Any) -> bool:
