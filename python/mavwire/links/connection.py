@@ -74,20 +74,10 @@ def _retries(value: Any) -> Any:
     return value
 
 
-def _tcp(address: str, o: Options) -> Any:
-    return state.public.mavtcp(
-        address, autoreconnect=o.autoreconnect, retries=_retries(o.retries),
-        reconnect_delay=_delay(o.reconnect_delay), **o.common,
-    )  # fmt: skip
-
-
-def _uds(address: str, o: Options) -> Any:
-    return state.public.mavuds(
-        address,
-        autoreconnect=o.autoreconnect,
-        retries=_retries(o.retries),
-        **o.pauses,
-        **o.common,
+def _stream(name: str) -> Callable[[str, Options], Any]:
+    """Opens a client over a stream socket, of the class `name`."""
+    return lambda address, o: getattr(state.public, name)(
+        address, autoreconnect=o.autoreconnect, retries=_retries(o.retries), **o.pauses, **o.common
     )
 
 
@@ -95,24 +85,25 @@ def _udp(address: str, o: Options, **kind: Any) -> Any:
     return state.public.mavudp(address, **{"input": o.input, **kind}, **o.common)
 
 
-def _udpbcast(address: str, o: Options) -> Any:
-    return _udp(address, o, input=False, broadcast=True)
-
-
 def _csv(address: str, o: Options) -> Any:
     filename, options = csv_options(address)
-    return _opened(_reader("CSVReader").CSVReader(filename, **{**o.reader, **o.opts, **options}))
+    return _opened(
+        state.import_module("mavwire.CSVReader").CSVReader(
+            filename, **{**o.reader, **o.opts, **options}
+        )
+    )
 
 
 PREFIXES: dict[str, Callable[[str, Options], Any]] = {
-    "tcp:": _tcp,
+    "tcp:": _stream("mavtcp"),
     "tcpin:": lambda at, o: state.public.mavtcpin(at, retries=o.retries, **o.common),
-    "uds:": _uds,
-    "unix:": _uds,
+    "uds:": _stream("mavuds"),
+    "unix:": _stream("mavuds"),
     "udpin:": lambda at, o: _udp(at, o, input=True, timeout=o.udp_timeout),
     "udpout:": lambda at, o: _udp(at, o, input=False),
-    "udpbcast:": _udpbcast,
-    "udpcast:": _udpbcast,
+    **dict.fromkeys(
+        ("udpbcast:", "udpcast:"), lambda at, o: _udp(at, o, input=False, broadcast=True)
+    ),
     "wsserver:": lambda at, o: state.public.mavwebsocket(at, **o.common),
     "udp:": _udp,
     "mcast:": lambda at, o: state.public.mavmcast(at, **o.common),
@@ -137,13 +128,6 @@ def csv_options(address: str) -> tuple[str, dict[str, str]]:
             value = ":"
         options[name] = value
     return filename, options
-
-
-def _reader(name: str) -> Any:
-    """A module of log readers; they load when the first such log is opened."""
-    from importlib import import_module
-
-    return import_module(f"mavwire.{name}")
 
 
 def _opened(reader: Any) -> Any:
@@ -171,7 +155,7 @@ def _telemetry_log(device: str, kind: LogKind, o: Options) -> Any:
 def _log(device: str, kind: LogKind, o: Options) -> Any:
     if kind in TELEMETRY:
         return _telemetry_log(device, kind, o)
-    module = _reader("DFReader")
+    module = state.import_module("mavwire.DFReader")
     reader = module.DFReader_text if kind is LogKind.DATAFLASH_TEXT else module.DFReader_binary
     return _opened(reader(device, **o.reader))
 
