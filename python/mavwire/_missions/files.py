@@ -66,8 +66,6 @@ def _numbers(line: Line, error: type[PlanError], read: Callable[[list[str]], T])
     """What `read` makes of a line's words; a word that is no number is an `error`."""
     try:
         return read(line.text.split())
-    except PlanError:
-        raise
     except (ValueError, OverflowError) as wrong:
         raise error(str(wrong), line.where) from wrong
 
@@ -94,6 +92,13 @@ def _item_lines(lines: Sequence[Line], columns: int) -> Iterator[tuple[Line, str
             comment = ""
 
 
+def _items(
+    lines: Sequence[Line], columns: int, read: Callable[[list[str]], tuple[Any, ...]]
+) -> Iterator[ItemLine]:
+    for line, comment in _item_lines(lines, columns):
+        yield ItemLine(_numbers(line, MAVWPError, read), comment, line.where)
+
+
 def items_v110(lines: Sequence[Line]) -> Iterator[ItemLine]:
     """Items of a QGC WPL 110 file, without its header."""
 
@@ -103,25 +108,23 @@ def items_v110(lines: Sequence[Line]) -> Iterator[ItemLine]:
             command = WAYPOINT
         return seq, frame, command, current, int(words[11]), *map(float, words[4:11])
 
-    for line, comment in _item_lines(lines, 12):
-        yield ItemLine(_numbers(line, MAVWPError, read), comment, line.where)
+    return _items(lines, 12, read)
 
 
 def items_v100(lines: Sequence[Line]) -> Iterator[ItemLine]:
     """Items of a QGC WPL 100 file, without its header."""
-    for line, comment in _item_lines(lines, 13):
 
-        def read(words: list[str], where: str = line.where) -> tuple[Any, ...]:
-            seq, frame, action = map(int, words[:3])
-            command = _ACTIONS_V100.get(action)
-            if command is None:
-                raise MAVWPError(f"Unknown v100 waypoint action {action}", where)
-            p3, p4, p1, p2 = map(float, words[3:7])
-            current, autocontinue = int(words[7]), int(words[12])
-            y, x, z = map(float, words[8:11])
-            return seq, frame, command, current, autocontinue, p1, p2, p3, p4, x, y, z
+    def read(words: list[str]) -> tuple[Any, ...]:
+        seq, frame, action = map(int, words[:3])
+        command = _ACTIONS_V100.get(action)
+        if command is None:
+            raise ValueError(f"Unknown v100 waypoint action {action}")
+        p3, p4, p1, p2 = map(float, words[3:7])
+        current, autocontinue = int(words[7]), int(words[12])
+        y, x, z = map(float, words[8:11])
+        return seq, frame, command, current, autocontinue, p1, p2, p3, p4, x, y, z
 
-        yield ItemLine(_numbers(line, MAVWPError, read), comment, line.where)
+    return _items(lines, 13, read)
 
 
 def comment_lines(comment: str) -> str:

@@ -152,7 +152,7 @@ class MissionItemProtocol:
         self.clear()
         items = list(read(lines[1:]))
         for one in items:
-            self.add(self._from_line(one), one.comment)
+            self.add(self._new_item(*one.values), one.comment)
         return len(self.wpoints)
 
     def _reader(self, header: str) -> Callable[[list[files.Line]], Iterable[files.ItemLine]] | None:
@@ -161,10 +161,8 @@ class MissionItemProtocol:
             return files.items_v110
         return None
 
-    def _from_line(self, line: files.ItemLine) -> Any:
-        seq, frame, command, current, *rest = line.values
-        autocontinue, *numbers = rest
-        values = (seq, frame, command, current, autocontinue, *numbers)
+    def _new_item(self, *values: Any) -> Any:
+        """A MISSION_ITEM for the vehicle; `values` are its fields from `seq` on."""
         kind = (self.mav_mission_type(),) if mavutil.mavlink20() else ()
         message = mavutil.mavlink.MAVLink_mission_item_message
         return message(self.target_system, self.target_component, *values, *kind)
@@ -297,13 +295,8 @@ class MAVWPLoader(MissionItemProtocol):
     ) -> None:
         """Append a waypoint; `altitude` is above home, or above ground."""
         frame = 10 if terrain_alt else 3
-        kind = (self.mav_mission_type(),) if mavutil.mavlink20() else ()
-        target = self.target_system, self.target_component
-        self.add(
-            mavutil.mavlink.MAVLink_mission_item_message(
-                *target, 0, frame, files.WAYPOINT, 0, 0, 0, 0, 0, 0, lat, lon, altitude, *kind
-            )
-        )
+        head = 0, frame, files.WAYPOINT, 0, 0, 0, 0, 0, 0
+        self.add(self._new_item(*head, lat, lon, altitude))
 
     def _reader(self, header: str) -> Callable[[list[files.Line]], Iterable[files.ItemLine]] | None:
         return files.items_v100 if header == "QGC WPL 100" else super()._reader(header)
