@@ -39,17 +39,23 @@ def _array(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
     return array
 
 
+def from_angles(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    """The quaternion of angles in radians, w first."""
+    sr, sp, sy = (sin(angle / 2) for angle in (roll, pitch, yaw))
+    cr, cp, cy = (cos(angle / 2) for angle in (roll, pitch, yaw))
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
 def _euler_to_q(euler: np.ndarray) -> np.ndarray:
     """The quaternion of roll, pitch, yaw; NaN where an angle is no number."""
     if not np.isfinite(euler).all():
         return np.full(4, np.nan)
-    sr, sp, sy = (sin(angle / 2) for angle in euler)
-    cr, cp, cy = (cos(angle / 2) for angle in euler)
-    w = cr * cp * cy + sr * sp * sy
-    x = sr * cp * cy - cr * sp * sy
-    y = cr * sp * cy + sr * cp * sy
-    z = cr * cp * sy - sr * sp * cy
-    return np.array([w, x, y, z])
+    return np.array(from_angles(*euler))
 
 
 def _euler_to_dcm(euler: np.ndarray) -> np.ndarray:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from mavwire.quaternion import from_angles
+
 from .geo import SKY, WORLD, Local, Origin, Place, clamp, wrap
 
 GRAVITY = 9.80665
@@ -161,12 +163,4 @@ class Copter:
 
     def quaternion(self) -> tuple[float, float, float, float]:
         """The attitude as a quaternion, w first."""
-        cr, sr = math.cos(self.roll / 2), math.sin(self.roll / 2)
-        cp, sp = math.cos(self.pitch / 2), math.sin(self.pitch / 2)
-        cy, sy = math.cos(self.yaw / 2), math.sin(self.yaw / 2)
-        return (
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        )
+        return from_angles(self.roll, self.pitch, self.yaw)
