@@ -10,15 +10,14 @@ import time
 
 from .helpers import location
 from .modes import MAV_AUTOPILOT_PX4, px4_map
+from .target import Target
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from typing import Any
 
-    from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
-
-    from .vehicle_state import mavfile_state
+    from mavwire._stubs.mavutil import ReceivedMessage
 
 MAV_CMD_NAV_LOITER_UNLIM = 17
 MAV_CMD_NAV_RETURN_TO_LAUNCH = 20
@@ -41,15 +40,9 @@ FORCE_REBOOT = 20190226
 PARAM_FETCH_INTERVAL = 2.0
 
 
-class Commands:
+class Commands(Target):
     """The sending and waiting methods of `mavfile`."""
 
-    mav: CurrentMAVLink
-    sysid: int
-    sysid_state: dict[int, mavfile_state]
-    target_system: int
-    target_component: int
-    base_mode: int
     param_fetch_start: float
 
     def _command_long(self, command: int, *params: float) -> None:
@@ -253,11 +246,6 @@ class Commands:
             self.wait_heartbeat()
 
     if TYPE_CHECKING:
-
-        @property
-        def messages(self) -> dict[str, Any]: ...
-
-        def mode_mapping(self) -> dict[str, Any] | None: ...
 
         def recv_match(
             self,

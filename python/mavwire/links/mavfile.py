@@ -20,7 +20,6 @@ from .conditions import evaluate_condition
 from .readiness import from_handler, wait_readable
 from .recording import recorded
 from .signing import Signing
-from .target import Target
 from .tracking import Tracking
 from .vehicle_state import SystemStates, mavfile_state, param_state
 from .warn import warn
@@ -73,7 +72,7 @@ def _attributes(link: mavfile) -> dict[str, Any]:
 link_dict = property(_attributes)
 
 
-class mavfile(Link, Target, Tracking, Commands, Signing):
+class mavfile(Link, Tracking, Commands, Signing):
     """One link. `fd` is a descriptor to wait on, or None; `address` names the other end."""
 
     __dict__ = link_dict

@@ -14,14 +14,13 @@ from mavwire._native import Signing as SigningState
 from . import state
 from .link_ids import section
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
+from .target import Target
 from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
-
-    from mavwire._stubs.mavutil import CurrentMAVLink
 
 KEY_LEN = 32
 MAX_LINK_ID = 255
@@ -195,12 +194,8 @@ def prepared(
     )  # fmt: skip
 
 
-class Signing:
+class Signing(Target):
     """The signing methods of `mavfile`."""
-
-    mav: CurrentMAVLink
-    target_system: int
-    target_component: int
 
     def setup_signing(
         self,

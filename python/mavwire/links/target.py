@@ -19,7 +19,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from mavwire._stubs.mavutil import ReceivedMessage
+    from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
 
 
 def _of_target(name: str, doc: str) -> Any:
@@ -34,6 +34,7 @@ def _of_target(name: str, doc: str) -> Any:
 class Target:
     """The properties and look-ups of `mavfile` that concern its target."""
 
+    mav: CurrentMAVLink
     param_sysid: tuple[int, int]
     sysid_state: dict[int, mavfile_state]
     param_state: dict[tuple[int, int], param_state]

@@ -5,14 +5,13 @@ and the radio's own messages. It calls the methods here for the few messages tha
 from __future__ import annotations
 
 from .modes import mode_string_v10
+from .target import Target
 from .vehicle_state import mavfile_state, param_state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
-
-    from mavwire._stubs.mavutil import CurrentMAVLink
 
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3
 MAV_AUTOPILOT_INVALID = 8
@@ -23,14 +22,9 @@ NOT_VEHICLES = frozenset((6, 18, 26, 27))
 GPS_FIX_TYPE_3D_FIX = 3
 
 
-class Tracking:
+class Tracking(Target):
     """The state-keeping methods of `mavfile`."""
 
-    mav: CurrentMAVLink
-    sysid: int
-    sysid_state: dict[int, mavfile_state]
-    target_system: int
-    target_component: int
     _fix_home: Callable[[int], None]
 
     def _new_state(self) -> mavfile_state:
