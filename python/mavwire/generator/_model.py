@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import InitVar, dataclass, field
 from typing import Protocol
 
 from mavwire._native import field_type
@@ -15,49 +16,40 @@ class _HasVersion(Protocol):
     version: int
 
 
+@dataclass(eq=False, repr=False)
 class MAVDeprecated:
     """That a message, enum or entry should no longer be used: since when, and what replaces it."""
 
-    def __init__(self, since: str, replaced_by: str, explanation: str = "") -> None:
-        self.since = since
-        self.replaced_by = replaced_by
-        self.explanation = explanation
+    since: str
+    replaced_by: str
+    explanation: str = ""
 
 
+@dataclass(eq=False, repr=False)
 class MAVField:
     """A field of a message. Lengths and offsets in bytes; ``array_length`` is 0 for a scalar."""
 
-    wire_offset: int
-    test_value: object
+    name: str
+    type: str
+    print_format: str | None
+    xml: InitVar[_HasVersion]
+    description: str = ""
+    enum: str = ""
+    display: str = ""
+    units: str = ""
+    multiplier: str = ""
+    instance: str | bool = False
+    invalid: str = ""
 
-    def __init__(
-        self,
-        name: str,
-        type: str,
-        print_format: str | None,
-        xml: _HasVersion,
-        description: str = "",
-        enum: str = "",
-        display: str = "",
-        units: str = "",
-        multiplier: str = "",
-        instance: str | bool = False,
-        invalid: str = "",
-    ) -> None:
-        self.name = name
-        self.name_upper = name.upper()
-        self.description = description
-        self.enum = enum
-        self.display = display
-        self.units = units
-        self.multiplier = multiplier
-        self.print_format = print_format
-        self.instance = instance
-        self.invalid = invalid
-        self.omit_arg = type == "uint8_t_mavlink_version"
+    wire_offset: int = field(init=False)
+    test_value: object = field(init=False)
+
+    def __post_init__(self, xml: _HasVersion) -> None:
+        self.name_upper = self.name.upper()
+        self.omit_arg = self.type == "uint8_t_mavlink_version"
         self.const_value: int | None = xml.version if self.omit_arg else None
         with parse_errors():
-            self.type, self.array_length, self.type_length, _ = field_type(type)
+            self.type, self.array_length, self.type_length, _ = field_type(self.type)
         self.type_upper = self.type.upper()
         self.wire_length = self.type_length * max(1, self.array_length)
 
@@ -84,37 +76,33 @@ class MAVField:
             self.test_value = [self.gen_test_value(i) for i in range(self.array_length)]
 
 
+@dataclass(eq=False, repr=False)
 class MAVType:
     """A message. :class:`~mavwire.generator.mavparse.MAVXML` adds the wire layout's attributes."""
 
-    fieldlengths: list[int]
-    fieldtypes: list[str]
-    field_offsets: dict[str, int]
-    ordered_fields: list[MAVField]
-    ordered_fieldnames: list[str]
-    ordered_fieldtypes: list[str]
-    wire_length: int
-    wire_min_length: int
-    num_fields: int
-    crc_extra: int
-    message_flags: int
-    target_system_ofs: int
-    target_component_ofs: int
+    name: str
+    id: int
+    linenumber: int
+    description: str = ""
+    wip: bool = False
 
-    def __init__(
-        self,
-        name: str,
-        id: int | str,
-        linenumber: int,
-        description: str = "",
-        wip: bool = False,
-    ) -> None:
-        self.name = name
-        self.name_lower = name.lower()
-        self.linenumber = linenumber
-        self.id = int(id)
-        self.description = description
-        self.wip = wip
+    fieldlengths: list[int] = field(init=False)
+    fieldtypes: list[str] = field(init=False)
+    field_offsets: dict[str, int] = field(init=False)
+    ordered_fields: list[MAVField] = field(init=False)
+    ordered_fieldnames: list[str] = field(init=False)
+    ordered_fieldtypes: list[str] = field(init=False)
+    wire_length: int = field(init=False)
+    wire_min_length: int = field(init=False)
+    num_fields: int = field(init=False)
+    crc_extra: int = field(init=False)
+    message_flags: int = field(init=False)
+    target_system_ofs: int = field(init=False)
+    target_component_ofs: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.name_lower = self.name.lower()
+        self.id = int(self.id)
         self.deprecated: MAVDeprecated | None = None
         self.fields: list[MAVField] = []
         self.fieldnames: list[str] = []
@@ -126,35 +114,25 @@ class MAVType:
         return len(self.fields) if self.extensions_start is None else self.extensions_start
 
 
+@dataclass(eq=False, repr=False)
 class MAVEnumParam:
     """A parameter of a command; everything is text as written in the file."""
 
-    def __init__(
-        self,
-        index: int | str,
-        description: str = "",
-        label: str = "",
-        units: str = "",
-        enum: str = "",
-        increment: str = "",
-        minValue: str = "",
-        maxValue: str = "",
-        reserved: str | bool = False,
-        default: str = "",
-        multiplier: str = "",
-    ) -> None:
-        self.index = index
-        self.label = label
-        self.units = units
-        self.enum = enum
-        self.increment = increment
-        self.minValue = minValue
-        self.maxValue = maxValue
-        self.reserved = reserved
-        self.default = default or ("0" if reserved else "")
-        self.multiplier = multiplier
-        self.description = ""
-        self.set_description(description)
+    index: int | str
+    description: str = ""
+    label: str = ""
+    units: str = ""
+    enum: str = ""
+    increment: str = ""
+    minValue: str = ""
+    maxValue: str = ""
+    reserved: str | bool = False
+    default: str = ""
+    multiplier: str = ""
+
+    def __post_init__(self) -> None:
+        self.default = self.default or ("0" if self.reserved else "")
+        self.set_description(self.description)
 
     def set_description(self, description: str) -> None:
         """Set the text; an empty text of a reserved parameter says so and names its default."""
@@ -163,45 +141,36 @@ class MAVEnumParam:
         self.description = description
 
 
+@dataclass(eq=False, repr=False)
 class MAVEnumEntry:
     """A named value of an enum; commands have seven :class:`MAVEnumParam`."""
 
-    def __init__(
-        self,
-        name: str,
-        value: int,
-        description: str = "",
-        wip: bool = False,
-        end_marker: bool = False,
-        autovalue: bool = False,
-        origin_file: str = "",
-        origin_line: int = 0,
-        has_location: bool = False,
-    ) -> None:
-        self.name = name
-        self.value = value
+    name: str
+    value: int
+    description: str = ""
+    wip: bool = False
+    end_marker: bool = False
+    autovalue: bool = False
+    origin_file: str = ""
+    origin_line: int = 0
+    has_location: bool = False
+
+    def __post_init__(self) -> None:
         self.deprecated: MAVDeprecated | None = None
-        self.description = description
-        self.wip = wip
         self.param: list[MAVEnumParam] = []
-        self.end_marker = end_marker
-        self.autovalue = autovalue
-        self.origin_file = origin_file
-        self.origin_line = origin_line
-        self.has_location = has_location
 
 
+@dataclass(eq=False, repr=False)
 class MAVEnum:
     """An enum of one file, or of all files after ``merge_enums``."""
 
-    def __init__(
-        self, name: str, linenumber: int, description: str = "", bitmask: bool = False
-    ) -> None:
-        self.name = name
+    name: str
+    linenumber: int
+    description: str = ""
+    bitmask: bool = False
+
+    def __post_init__(self) -> None:
         self.deprecated: MAVDeprecated | None = None
-        self.description = description
         self.entry: list[MAVEnumEntry] = []
         self.start_value: int | None = None
         self.highest_value = 0
-        self.linenumber = linenumber
-        self.bitmask = bitmask

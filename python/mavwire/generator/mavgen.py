@@ -13,6 +13,7 @@ import keyword
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
 from mavwire._native import DefinitionFile
@@ -65,22 +66,15 @@ class _Options(Protocol):
     strict_units: bool
 
 
+@dataclass(eq=False, repr=False)
 class Opts:
     """Options of :func:`mavgen` for callers without a command line."""
 
-    def __init__(
-        self,
-        output: _Path,
-        wire_protocol: str = DEFAULT_WIRE_PROTOCOL,
-        language: str = DEFAULT_LANGUAGE,
-        validate: bool = DEFAULT_VALIDATE,
-        strict_units: bool = DEFAULT_STRICT_UNITS,
-    ) -> None:
-        self.wire_protocol = wire_protocol
-        self.language = language
-        self.output = output
-        self.validate = validate
-        self.strict_units = strict_units
+    output: _Path
+    wire_protocol: str = DEFAULT_WIRE_PROTOCOL
+    language: str = DEFAULT_LANGUAGE
+    validate: bool = DEFAULT_VALIDATE
+    strict_units: bool = DEFAULT_STRICT_UNITS
 
 
 def mavgen(opts: _Options, args: Sequence[_Path]) -> bool:
