@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import PortError
@@ -84,26 +85,19 @@ def _act(act: Callable[..., None], *arguments: Any) -> None:
         raise failure.args[0] from None
 
 
+@dataclass(eq=False)
 class Outgoing:
     """The file that `mav` writes to. `failed` is called when the connection turns out to be gone."""
 
-    def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        sender: SocketSender,
-        is_connected: Callable[[], bool],
-        failed: Callable[[OSError], None],
-        written: Callable[[], None],
-    ) -> None:
-        self._loop = loop
-        self._sender = sender
-        self._is_connected = is_connected
-        self._failed = failed
-        self._written = written
-        self._dropped = 0
-        self._watched: Descriptor | None = None
-        self._timer: asyncio.TimerHandle | None = None
-        self._drained: set[asyncio.Future[None]] = set()
+    _loop: asyncio.AbstractEventLoop
+    _sender: SocketSender
+    _is_connected: Callable[[], bool]
+    _failed: Callable[[OSError], None]
+    _written: Callable[[], None]
+    _dropped: int = 0
+    _watched: Descriptor | None = None
+    _timer: asyncio.TimerHandle | None = None
+    _drained: set[asyncio.Future[None]] = field(default_factory=set)
 
     @property
     def dropped(self) -> int:

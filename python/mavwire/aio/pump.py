@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from mavwire._native import LiveLink, receive_batch
@@ -20,24 +21,17 @@ from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 PORTION = 64
 
 
+@dataclass(eq=False)
 class Pump:
     """Reads `sync` into `feed`. After each turn `turned` gets the error that reading raised, or None."""
 
-    def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        sync: Any,
-        feed: Feed,
-        turned: Callable[[Exception | None], None],
-    ) -> None:
-        self._loop = loop
-        self._sync = sync
-        self._feed = feed
-        self._turned = turned
-        self._watched: Descriptor | None = None
-        self._handle: asyncio.Handle | None = None
-        self._is_running = False
-        self._is_native = isinstance(sync, LiveLink)
+    _loop: asyncio.AbstractEventLoop
+    _sync: Any
+    _feed: Feed
+    _turned: Callable[[Exception | None], None]
+    _watched: Descriptor | None = None
+    _handle: asyncio.Handle | None = None
+    _is_running: bool = False
 
     def start(self) -> None:
         """Begin with what is there, then wait for more."""
@@ -106,7 +100,7 @@ class Pump:
             self._feed.add(batch)
 
     def _take(self, batch: list[Any], limit: int) -> bool:
-        if self._is_native:
+        if isinstance(self._sync, LiveLink):
             return receive_batch(self._sync, batch, limit)
         while len(batch) < limit:
             msg = self._sync.recv_msg()

@@ -9,6 +9,7 @@ may itself hold ``${name}``.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mavwire.generator._errors import MAVParseError
@@ -42,24 +43,16 @@ class _Scope:
         return False, None
 
 
+@dataclass(eq=False, repr=False)
 class MAVTemplate:
     """Substitutes values into text. The four tokens can be chosen freely."""
 
-    def __init__(
-        self,
-        start_var_token: str = "${",
-        end_var_token: str = "}",
-        start_rep_token: str = "${{",
-        end_rep_token: str = "}}",
-        trim_leading_lf: bool = True,
-        checkmissing: bool = True,
-    ) -> None:
-        self.start_var_token = start_var_token
-        self.end_var_token = end_var_token
-        self.start_rep_token = start_rep_token
-        self.end_rep_token = end_rep_token
-        self.trim_leading_lf = trim_leading_lf
-        self.checkmissing = checkmissing
+    start_var_token: str = "${"
+    end_var_token: str = "}"
+    start_rep_token: str = "${{"
+    end_rep_token: str = "}}"
+    trim_leading_lf: bool = True
+    checkmissing: bool = True
 
     def find_end(
         self, text: str, start_token: str, end_token: str, ignore_end_token: str | None = None
