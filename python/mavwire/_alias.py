@@ -142,7 +142,7 @@ class _Finder:
     def find_distributions(
         self, context: DistributionFinder.Context | None = None
     ) -> Iterator[Distribution]:
-        """What ``importlib.metadata.version("pymavlink")`` asks; listings of all distributions stay
+        """The answer to ``importlib.metadata.version("pymavlink")``; listings of all distributions stay
         as they are.
         """
         name = getattr(context, "name", None)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import IO
 
-# Names there stand for files that are open, and for devices.
+# Paths below these name open files and devices.
 _SYSTEM = ("/dev/", "/proc/")
 
 

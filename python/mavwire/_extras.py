@@ -1,4 +1,4 @@
-"""What to install where a library is missing that mavwire can do without."""
+"""Error texts for missing libraries that only some features need."""
 
 from __future__ import annotations
 

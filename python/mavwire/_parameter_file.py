@@ -24,7 +24,7 @@ EXCLUDED = tuple(
     """ARSPD_OFFSET CMD_INDEX CMD_TOTAL FENCE_TOTAL FORMAT_VERSION GND_ABS_PRESS GND_TEMP
     LOG_LASTFILE MIS_TOTAL SYSID_SW_MREV SYS_NUM_RESETS""".split()
 )
-"""What belongs to one vehicle and not into another."""
+"""Parameters of one vehicle that must not go to another."""
 
 SMALLEST_DIFFERENCE = 0.000001
 # Characters of a word that an error shows: a file that is none of parameters may be one line.
@@ -41,7 +41,7 @@ class MAVParmFileError(ValueError):
 
 @dataclass
 class ParameterFile:
-    """What a file says: `values` as it has them, and lines that are none."""
+    """The content of a file: its `values` and its invalid lines."""
 
     path: str
     values: list[tuple[str, float]] = field(default_factory=list)
@@ -179,12 +179,12 @@ def row(name: str, first: str, second: str = "", tabs: bool = False) -> str:
 
 
 def heading(tabs: bool = False) -> str:
-    """What the columns are."""
+    """The names of the columns."""
     return row("PARAMETER", "FILE1", "FILE2", tabs)
 
 
 def _comment(name: str, first: Any, second: Any, value_info: ValueInfo | None) -> str:
-    """What a value means on either side."""
+    """The meaning of a value on either side."""
     if value_info is None:
         return ""
     sides = (("FILE1", first), ("FILE2", second))

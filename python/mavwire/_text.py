@@ -34,7 +34,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def in_words(error: BaseException, path: str | None = None) -> str:
-    """What an exception says, without the name of its class where it says something by itself.
+    """The text of an exception, without the name of its class unless the exception has no text.
 
     The name of a file is left out where it is `path`, which stands in front then.
     """
@@ -69,7 +69,7 @@ def naming(path: str) -> Iterator[None]:
 
 
 def no_such_dialect(dialect: str) -> str:
-    """What to say of a dialect that nothing defines: which would do, or which there are."""
+    """The error text for an unknown dialect. It names a similar one, or all of them."""
     from mavwire.dialects import names
 
     built_in = names()
@@ -99,7 +99,7 @@ def printable(text: str) -> str:
 
 
 class _Guarded:
-    """A terminal that is written to without control characters, whatever is printed."""
+    """A terminal that shows control characters of a printed text as escapes."""
 
     def __init__(self, terminal: Any) -> None:
         self._terminal = terminal

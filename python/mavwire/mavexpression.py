@@ -27,7 +27,7 @@ __all__ = [*_mavextra.__all__, "evaluate_expression", "extra", "home"]  # noqa: 
 
 
 def __getattr__(name: str) -> Any:
-    """What an expression knows: the names of mavextra."""
+    """The names that expressions know: those of mavextra."""
     return getattr(_mavextra, name)
 
 

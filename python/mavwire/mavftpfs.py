@@ -44,7 +44,7 @@ class FTP(Operations):
         self._listings: dict[str, tuple[float, dict[str, DirectoryEntry]]] = {}
 
     def getattr(self, path: str, fh: Any = None) -> dict[str, Any]:
-        """What `stat` shows of a path; ENOENT where there is nothing."""
+        """The attributes of a path; ENOENT where there is nothing."""
         if path == "/":
             return _attributes(is_dir=True, size=0)
         folder, name = posixpath.split(path)
@@ -78,7 +78,7 @@ class FTP(Operations):
         return data
 
     def _listing(self, path: str) -> dict[str, DirectoryEntry]:
-        """What is in a folder, by name, as it was some seconds ago at most."""
+        """The entries of a folder by name, some seconds old at most."""
         now = time.monotonic()
         known = self._listings.get(path)
         if known is not None and now - known[0] < LISTING_SECONDS:
@@ -98,7 +98,7 @@ class FTP(Operations):
 
 
 def _read_only(*_arguments: Any) -> Any:
-    """What changes a file system."""
+    """A call that would change the file system."""
     raise FuseOSError(errno.EROFS)
 
 

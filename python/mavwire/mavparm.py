@@ -193,7 +193,7 @@ class MAVParmDict(dict[str, Any]):
 
 
 def _as_float(value: Any, parm_type: int | None) -> float | None:
-    """What PARAM_SET carries; None for a type that it cannot carry."""
+    """The value that PARAM_SET carries; None for a type that it cannot carry."""
     if parm_type is None or parm_type == mavutil.mavlink.MAV_PARAM_TYPE_REAL32:
         return number_of(value) if isinstance(value, str) else float(value)
     packing = INTEGERS.get(parm_type)

@@ -2,7 +2,7 @@
 apart: pymavlink's `mavtestgen`.
 
 `python -m mavwire.mavtestgen my.xml -o mavtest.py` makes a module with one function,
-`generate_outputs(mav)`. Whoever receives what it sends can check a parser of its own, field by field.
+`generate_outputs(mav)`. The receiver of its messages can check another parser, field by field.
 """
 
 from __future__ import annotations

@@ -104,7 +104,7 @@ def answers(op: FTP_OP, request: FTP_OP) -> bool:
 
 
 def decode_result(op: FTP_OP, operation_name: str = "") -> MAVFTPReturn:
-    """What an answer says about how an operation ended."""
+    """The result of an operation by its answer."""
     name = operation_name or OPERATIONS.get(op.req_opcode, "Unknown")
     payload = bytes(op.payload) if op.payload else b""
     details: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""What every command of the client needs, and the commands that are one request and its answer."""
+"""The base of all commands of the client, and the commands that are one request and its answer."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class ParamData:
 
 
 class _Wrong(ValueError):
-    """What is wrong with a parameter file."""
+    """An error in a parameter file."""
 
 
 def ftp_param_decode(data: bytes | bytearray) -> ParamData | None:

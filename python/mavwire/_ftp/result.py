@@ -35,7 +35,7 @@ class FtpError(IntEnum):
     RemoteReplyTimeout = 73
 
 
-# What the other end can say: everything below is the client's own.
+# The last error of the other end. The errors below are the client's own.
 LAST_REMOTE_ERROR = FtpError.FileNotFound
 
 _TEXTS = {

@@ -256,7 +256,7 @@ class Transfers(Commands):
 
     @contextlib.contextmanager
     def _given_up_on_error(self) -> Iterator[None]:
-        """Leave neither half a local file nor an open session, whatever ends a transfer."""
+        """An error leaves neither half a local file nor an open session."""
         try:
             yield
         except BaseException:

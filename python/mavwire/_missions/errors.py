@@ -1,4 +1,4 @@
-"""What can be wrong with a list of waypoints or with its file."""
+"""The errors of lists of waypoints and of their files."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _FENCE_START = re.compile(r"[-+.0-9]+\s+[-+.0-9]+")
 _GLOBAL_FRAMES = frozenset((0, 3, 5, 6, 10, 11))
 _LOCAL_FRAMES = frozenset((1, 4, 7, 8, 9, 12, 20, 21))
 
-# What fits into a message of degrees times 1e7.
+# The range of degrees times 1e7 in a message.
 _PLACES = range(-(2**31), 2**31)
 
 T = TypeVar("T")
@@ -63,7 +63,7 @@ def _meant(lines: Sequence[Line]) -> Iterator[Line]:
 
 
 def _numbers(line: Line, error: type[PlanError], read: Callable[[list[str]], T]) -> T:
-    """What `read` makes of a line's words; a word that is no number is an `error`."""
+    """The result of `read` for a line's words; a word that is no number is an `error`."""
     try:
         return read(line.text.split())
     except (ValueError, OverflowError) as wrong:

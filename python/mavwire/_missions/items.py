@@ -156,7 +156,7 @@ class MissionItemProtocol:
         return len(self.wpoints)
 
     def _reader(self, header: str) -> Callable[[list[files.Line]], Iterable[files.ItemLine]] | None:
-        """What reads a file with this first line."""
+        """The reader of a file with this first line."""
         if header == "QGC WPL 110":
             return files.items_v110
         return None

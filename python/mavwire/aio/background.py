@@ -14,11 +14,11 @@ NAME = "mavwire.aio"
 
 
 async def in_background(function: Callable[[], T], discard: Callable[[T], Any] | None = None) -> T:
-    """What `function` returns or raises. NoThreadError. If the wait is cancelled, `discard` gets what it returns, in a
-    thread too.
+    """Call `function` in a thread; its result, or its error. NoThreadError without a thread. If the wait is cancelled,
+    `discard` gets the result, in a thread too.
 
-    The thread ends with the call. It is none of the loop's executor, whose threads stay, and it
-    holds up nobody's exit: a connection attempt may take long, and nobody may want it any more.
+    The thread ends with the call. A thread of the loop's executor would hold up the end of the program: a connection
+    attempt may take long.
     """
     loop = asyncio.get_running_loop()
     # An error is a part of the result: futures do not take every exception.

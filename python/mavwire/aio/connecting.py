@@ -110,7 +110,7 @@ class Connecting:
 
 
 def _open(device: str, options: dict[str, Any]) -> Any:
-    """What may block: connecting, looking up a name, opening a port, reading a log's index."""
+    """Open a link. Connecting, looking up a name, opening a port or reading a log's index may block."""
     from mavwire import mavutil
 
     if state.current_dialect == state.DEFAULT_DIALECT and "MAVLINK_DIALECT" not in os.environ:

@@ -1,4 +1,4 @@
-"""What can go wrong on a link besides time running out, which is `TimeoutError` as everywhere."""
+"""The errors of a link. A time-out is a plain `TimeoutError`."""
 
 from __future__ import annotations
 

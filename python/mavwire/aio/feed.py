@@ -1,8 +1,8 @@
 """The messages of a live link, for as many readers as there are.
 
-A feed keeps the newest messages, up to a bound. Each reader has a position in the feed and meets every
-message that arrives, whatever others read; nothing has to be registered or given back. A reader
-that falls behind by more than the feed keeps skips what is gone, and that is counted.
+A feed keeps the newest messages, up to a bound. Each reader has a position in the feed and gets every
+message that arrives. Readers need not be registered or closed. A reader that falls behind by more than the
+feed keeps skips messages, which are counted.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Feed:
                 future.set_exception(error)
 
     def fail(self, error: BaseException) -> bool:
-        """Raise an error that reading brought in whoever waits; whether anybody does."""
+        """Raise an error of reading in all waiting readers; whether there are any."""
         return self._fail(lambda: error)
 
     def _fail(self, error: Callable[[], BaseException]) -> bool:

@@ -36,8 +36,7 @@ def message_filter(
 def _holds(sync: Any, condition: str, msg: Any) -> object:
     """Whether `condition` holds over the messages of the sender.
 
-    The link may have received more since: the message in question stands for its type, whatever
-    came after it.
+    The link may have received a newer message of the type since. The condition is about `msg`.
     """
     states = getattr(sync, "sysid_state", None)
     messages = sync.messages if states is None else states[msg.get_srcSystem()].messages

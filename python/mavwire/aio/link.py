@@ -203,7 +203,7 @@ class Link(Parameters):
         timestamp_store: Any = None,
         max_ahead: float | None = None,
     ) -> None:
-        """What `sync.setup_signing` does, with the same arguments and errors, but a `timestamp_store`
+        """`sync.setup_signing`, with the same arguments and errors, but a `timestamp_store`
         does not hold up the loop: it is read and written by threads."""
         begin = self.sync._begin_signing
         policy = (secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
@@ -240,7 +240,7 @@ class Link(Parameters):
     # -- closing
 
     async def close(self) -> None:
-        """Send what is queued, if that is quick, and close. Whoever waits gets `LinkClosedError`."""
+        """Send what is queued, if that is quick, and close. Waiting tasks get `LinkClosedError`."""
         await self._closed(drains=True)
 
     async def _closed(self, *, drains: bool) -> None:
@@ -268,7 +268,7 @@ class Link(Parameters):
 
 
 class _Live:
-    """What a link that is no log has running: reading, sending, connecting again."""
+    """The reader, the sender and the timers of a live link."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, sync: Any, feed: Feed) -> None:
         self._loop = loop
@@ -291,7 +291,7 @@ class _Live:
         self._look_later()
 
     def stop(self) -> None:
-        """Leave the link to whoever closes it."""
+        """Stop reading, sending and reconnecting. The link is closed afterwards."""
         self.connected = False
         self.pump.stop()
         self.outgoing.stop()

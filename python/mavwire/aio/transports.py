@@ -1,4 +1,4 @@
-"""What a link needs beyond mavutil's to live in a loop: how it loses its other end and gets it back.
+"""Transports in a loop: how a link loses its other end and gets it back.
 
 mavutil's links connect again while somebody calls `recv`. Here nobody does so while the other end is gone, and
 serial ports are opened in a thread, too.
@@ -49,7 +49,7 @@ class Transport:
         return False
 
     def look(self) -> None:
-        """What is to be done now and then, whether something arrives or not."""
+        """Regular work, at each `look_interval`."""
 
     def let_go(self) -> None:
         """Release what is left of a connection that is gone."""
@@ -132,7 +132,7 @@ class SerialPort(Client):
         if os.name != "posix":
             return SocketSender(sync)  # pyserial's own writing, which may block
         if not sync._writer.unsent:
-            # What nobody waits for may be more.
+            # A queue that no sender waits for may be longer.
             dropped, sync._writer = sync._writer.dropped_frames, StreamWriter()
             sync._writer.dropped_frames = dropped
         return QueueSender(sync, lambda: DescriptorPort(sync.port), lambda: descriptor_of(sync))

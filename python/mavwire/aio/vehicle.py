@@ -1,4 +1,4 @@
-"""What programs do with a vehicle: wait for it, command it, ask it for messages."""
+"""Waiting for a vehicle, commanding it, and asking it for messages."""
 
 from __future__ import annotations
 

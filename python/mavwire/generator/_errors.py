@@ -1,4 +1,4 @@
-"""What can be wrong with definitions, as exceptions that say which file and line to look at."""
+"""The errors of definitions. Each names a file and a line."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class mavchildexec(StreamLink):
 
     @property
     def port(self) -> Any:
-        """What is read: the child's standard output."""
+        """The child's standard output, which is read."""
         return self.child.stdout
 
     def _release(self) -> None:

@@ -3,8 +3,8 @@
 Messages that one read brought along are handed out before the next read. So the parser holds one
 read at most, and the backlog of a slow consumer stays in the socket, where the system bounds it.
 
-The native `LiveLink` does that for links that say so with `_read_stream` or `_read_datagrams`, while
-nobody replaces what it stands for. The methods here are what it hands over to.
+The native `LiveLink` does that for links that call `_read_stream` or `_read_datagrams`. Once a program replaces a
+method, it calls the methods here instead.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class ChunkedLink(LiveLink, mavfile):
         raise NotImplementedError
 
     def _tend(self) -> None:
-        """What is to be done about once a second while no message arrives."""
+        """Regular work of a server, about once a second while no message arrives."""
 
     def _check_open(self) -> None:
         """OSError once the link is closed, so that a thread that receives from it ends."""

@@ -1,10 +1,9 @@
 """Link ids that processes share out among themselves, by way of the timestamp store that they share.
 
-To who hears them, two processes with one link id are one stream, and that takes only what is later
-than all before: the process whose timestamps lie behind would be mute. So beside the store there is
-an empty file for each id in use, locked by the process that signs with it. The system unlocks it when
-the process ends, whatever ended it, and the next one takes the same ids: receivers have room for few
-streams, ArduPilot for 16, and ids that only ever rise would soon be too many.
+Receivers take two processes with one link id for one stream. A stream may only rise, so they refuse the process
+whose timestamps lie behind. Therefore each id in use has an empty file beside the store, which the process locks.
+The system unlocks it at the end of the process, and the next process takes the same ids. Ids that only rise would
+soon be too many: receivers have room for few streams, ArduPilot for 16.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ class LogFile:
         return self._link._tell()
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Continue reading at `offset`; whatever was begun is dropped."""
+        """Continue reading at `offset`. The rest of a begun frame is dropped."""
         if whence == os.SEEK_CUR:
             offset += self.tell()
         elif whence == os.SEEK_END:

@@ -38,7 +38,7 @@ IDLE_INTERVAL = 0.05
 # How long a wait goes without looking whether the link was closed, in seconds.
 WAIT_SLICE = 0.25
 
-# What a link's MAVLink object keeps when the dialect module under it changes.
+# The attributes that a link's MAVLink object keeps when the dialect module under it changes.
 _KEPT_BY_MAV = (
     "seq", "file", "callback", "callback_args", "callback_kwargs",
     "send_callback", "send_callback_args", "send_callback_kwargs",
@@ -48,7 +48,7 @@ _KEPT_BY_MAV = (
 )  # fmt: skip
 
 
-# What `vars(link)` shows, in pymavlink's order; some of it is kept by the native base class.
+# The names that `vars(link)` shows, in pymavlink's order. The native base class keeps some of the values.
 _ATTRIBUTES = (
     "fd", "sysid", "param_sysid", "address", "timestamp", "last_seq", "mav_loss", "mav_count",
     "param_fetch_start", "sysid_state", "param_state", "source_system", "source_component",
@@ -67,7 +67,7 @@ def _attributes(link: mavfile) -> dict[str, Any]:
     return first | {name: getattr(link, name) for name in shown if hasattr(link, name)}
 
 
-# What `vars(link)` gives. A class with a native base beside mavfile gets a `__dict__` of Python's,
+# The dictionary of `vars(link)`. A class with a native base beside mavfile gets a `__dict__` of Python's,
 # unless it says that this is its own.
 link_dict = property(_attributes)
 

@@ -110,7 +110,7 @@ class mavmmaplog(mavlogfile):
         return [(msgid, cls) for msgid, cls in classes if cls.instance_field is not None]
 
     def _index_first(self, name: str, msg: Any) -> None:
-        """Whoever sent it: right after opening, `messages` shows one message of each type."""
+        """Right after opening, `messages` shows one message of each type, of any sender."""
         if msg.get_type() == name:
             add_message(self.messages, name, msg)
 

@@ -16,12 +16,12 @@ from .readiness import from_handler, wait_writable
 
 # How long a wait goes on without a look at signals, in seconds.
 WAIT_SLICE = 0.1
-# What a socket that does not block says while it is being connected.
+# The error of a non-blocking socket while it is being connected.
 IN_PROGRESS = getattr(errno, "WSAEWOULDBLOCK", errno.EINPROGRESS)
 
 
 def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
-    """What `socket.getaddrinfo` answers or raises; no host is this machine.
+    """The addresses of `socket.getaddrinfo`, or its error. An empty host is this machine.
 
     A name is looked up in a thread, which is left to itself if somebody interrupts the wait.
     """
@@ -110,7 +110,7 @@ def connect(port: Any, address: Any, timeout: float) -> None:
 
 
 def _words(number: int) -> str:
-    """What the system says of an error."""
+    """The text of the system for an error."""
     if sys.platform == "win32":  # the C library there does not know those of sockets
         import ctypes
 

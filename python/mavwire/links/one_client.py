@@ -19,7 +19,7 @@ from .warn import warn
 
 # A client that has sent no message for this long makes room when another one waits.
 CLIENT_SILENCE = 60.0
-# What accepting fails with when the link is closed. Anything else passes: there are no descriptors left, or no memory.
+# Errors of accepting once the link is closed. Other errors pass: there are no descriptors left, or no memory.
 CLOSED = frozenset((errno.EBADF, errno.EINVAL, errno.ENOTSOCK))
 # How long a reader leaves a client alone that cannot be accepted; seconds.
 ACCEPT_PAUSE = 0.01
@@ -85,8 +85,8 @@ class OneClientLink(StreamLink):
         return port
 
     def _nothing_received(self) -> bytes:
-        """What reading answers without a client; a moment later where one cannot be accepted, who would be found
-        waiting over and over."""
+        """No bytes, for reading without a client. A client that cannot be accepted would be found waiting over and
+        over, so this takes a moment then."""
         if self._is_refusing:
             sleep(ACCEPT_PAUSE)
         return b""

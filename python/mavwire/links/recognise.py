@@ -1,4 +1,4 @@
-"""What a device string means when it has no prefix: which kind of log, or which kind of port.
+"""The meaning of a device string without a prefix: a kind of log, or a kind of port.
 
 A log is recognised by its content before its name is looked at, because ground stations name
 telemetry logs as they please, and a wrong reader finds nothing in a good file.
@@ -24,7 +24,7 @@ LENGTH_HEAD = 3
 
 
 def kind_of(path: str) -> LogKind:
-    """What a regular file is; `CUT`, as an empty one, if it cannot be read or there is none."""
+    """The kind of a regular file; `CUT`, as for an empty one, if it cannot be read or is missing."""
     if not stat.S_ISREG(mode_of(path)):
         return LogKind.CUT
     try:
@@ -108,7 +108,7 @@ def is_pipe_or_socket(device: str) -> bool:
 
 
 def no_such_log(device: str) -> OSError:
-    """What to say of a name that leads to no file."""
+    """The error for a name that leads to no file."""
     try:
         os.stat(device)
     except OSError as error:

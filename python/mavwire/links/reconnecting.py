@@ -1,7 +1,7 @@
 """Getting a lost connection back, with growing pauses and without blocking anybody.
 
-An attempt may take seconds: names, hosts that do not answer, handshakes. So it is made in a thread,
-which whoever receives or sends starts once it is due.
+An attempt may take seconds: names, hosts that do not answer, handshakes. So it is made in a thread. Receiving and
+sending start it once it is due.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ class ReconnectingLink(RetryingLink):
             self._put_off()
 
     def _put_off(self) -> None:
-        """The next attempt is after a pause, whatever comes of this one: a peer may only hang up."""
+        """The next attempt is after a pause, also after a success: a peer may only hang up."""
         self._next_attempt = monotonic() + self._backoff.next_pause(self.reconnect_delay)
 
     def _connection_ended(self) -> None:

@@ -39,8 +39,8 @@ def _not_a_rate(baud: Any, device: str) -> str:
 
 
 def _is_of_handler(error: BaseException) -> bool:
-    """Whether a signal handler raised `error` in pyserial, or what that made a SerialException of, which it does with
-    whatever it takes for the system's."""
+    """Whether a signal handler raised `error` in pyserial. pyserial makes a SerialException of an OSError, also of one
+    of a handler."""
     import serial
 
     raised = error.__context__ if isinstance(error, serial.SerialException) else error
@@ -230,7 +230,7 @@ class mavserial(RetryingLink):
         except Exception:
             if _is_plain(port):
                 raise  # a signal handler's
-            # Whatever the driver raises, the port is unusable.
+            # Drivers raise errors of their own. The port is unusable after any of them.
             self._writer.dropped_frames += 1
         if port is self.port and not self._closed:  # meanwhile
             self._say_dead()

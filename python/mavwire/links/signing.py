@@ -67,7 +67,7 @@ def _units_ahead(max_ahead: float | None, follows_clock: bool) -> int | None:
 
 
 def stored_timestamp(store: Any) -> int:
-    """What `store` loads, nothing being 0. TypeError or OverflowError for what is no timestamp."""
+    """The timestamp that `store` loads, or 0. TypeError or OverflowError for anything else than a timestamp."""
     stored = store.load() or 0
     if not isinstance(stored, int):
         raise TypeError(f"a timestamp store loads an int, not {stored!r}")
@@ -95,7 +95,7 @@ def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
 
 
 def _callback(given: Any) -> Any:
-    """An `allow_unsigned_callback`, or None for what stands for none. TypeError for what is no function."""
+    """An `allow_unsigned_callback`, or None for a false value. TypeError for anything else than a function."""
     if callable(given):
         return given
     if given:
@@ -213,10 +213,10 @@ class Signing(Target):
         without one, be it None or False, they are rejected. `initial_timestamp` is in 10 us units since 2015-01-01
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
-        `save`, keeps timestamps rising over restarts whatever the clock does; links of processes
+        `save`, keeps timestamps rising over restarts, also with a wrong clock; links of processes
         that share a file are numbered differently. A signature more than `max_ahead` seconds ahead of
         the clock is a bad one; None sets no limit. ValueError for a key of another length, and for
-        `max_ahead` beside an `initial_timestamp`, which stands for no clock; OverflowError for numbers
+        `max_ahead` beside an `initial_timestamp`, which replaces the clock; OverflowError for numbers
         that a signature has no room for; TypeError for what is no number, key, function or
         store; OSError, or what the object raises, for a store that cannot be used. Nothing is changed by an
         error.

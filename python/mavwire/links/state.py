@@ -37,7 +37,7 @@ public: Any = None
 wire_protocol: str | None = None
 
 
-# What says which definitions are in use.
+# The variables that say which definitions are in use.
 _DEFINITIONS = ("wire_protocol", "mavlink", "_postponed", "current_dialect", "_given")
 
 

@@ -32,7 +32,7 @@ class StreamLink(ChunkedLink):
         self._writer.clear()
 
     def _idle_fd(self) -> int | None:
-        """What to wait on without a connection."""
+        """The descriptor to wait on without a connection."""
         return None
 
     def _let_go(self, port: Any) -> bool:

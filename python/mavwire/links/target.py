@@ -118,8 +118,8 @@ class Target:
     ) -> ReceivedMessage | None:
         """The newest message of `type` from a system (the target) or one of its components.
 
-        None if there is none, or none that is at most `max_age` seconds old. It is there as soon as
-        it was received, whoever received it.
+        None if there is none, or none that is at most `max_age` seconds old. Messages that other threads
+        receive count too.
         """
         newest: dict[str, ReceivedMessage]
         newest = self.messages_of(self.sysid if sysid is None else sysid, compid)

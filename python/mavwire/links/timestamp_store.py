@@ -1,4 +1,4 @@
-"""Signing timestamps that survive a restart, whatever the clock says then.
+"""Signing timestamps that survive a restart, also with a wrong clock.
 
 A file holds two slots; the one with the smaller timestamp is overwritten and the larger one read, so
 that a write which was cut short loses nothing. What is stored lies ahead of what is in use, so that
@@ -81,7 +81,7 @@ class TimestampStore:
         os.fsync(fd)
 
     def _slots(self, fd: int) -> list[int]:
-        """What the slots hold; 0 for one that was never written, or not to its end."""
+        """The timestamps in the slots; 0 for one that was never written, or not to its end."""
         os.lseek(fd, 0, os.SEEK_SET)
         content = os.read(fd, SIZE)
         slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]

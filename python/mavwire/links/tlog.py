@@ -35,7 +35,7 @@ class mavlogfile(LogLink, mavfile):
     # A log that is read ignores what is sent to it, so that programs can replay through it.
     discarded_writes = 0
     discarded_bytes = 0
-    # Methods that native code stands for, with their originals.
+    # Methods that native code skips, with their originals.
     _quick_methods: list[tuple[type | None, str, Any]]
 
     def __init__(
@@ -74,7 +74,7 @@ class mavlogfile(LogLink, mavfile):
 
     @property
     def port(self) -> LogPort:
-        """What programs ask that look after links without a descriptor in turn."""
+        """The log as a port, for programs that poll links without a descriptor."""
         return LogPort(self)
 
     def recv(self, n: int | None = None) -> bytes:

@@ -1,5 +1,6 @@
-"""What received messages change beyond what the native `Link.post_message` keeps: flight modes, home
-and the radio's own messages. It calls the methods here for the few messages that need them.
+"""Flight modes, home and the radio's own messages.
+
+The native `Link.post_message` keeps the rest. It calls the methods here for the few messages that need them.
 """
 
 from __future__ import annotations

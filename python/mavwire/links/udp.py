@@ -1,4 +1,4 @@
-"""UDP links: a server that answers whoever speaks MAVLink to it, a client, a broadcaster.
+"""UDP links: a server that answers every sender of MAVLink messages, a client, a broadcaster.
 
 Anyone can send a datagram, so a sender becomes a reply target only once a message of its own was
 accepted, and with a signing key that means a good signature.
@@ -130,7 +130,7 @@ class mavudp(DatagramLink):
         return port
 
     def recv(self, n: int | None = None) -> bytes:
-        """One datagram, whatever `n`; empty when none is waiting."""
+        """One datagram of any length; empty when none is waiting."""
         data = self._read_datagram()
         # A client that is bound to its server has nobody to find.
         if data and (self.udp_server or self.broadcast) and self._holds_trusted(data):
@@ -277,7 +277,7 @@ class mavudp(DatagramLink):
         self._found(self._resolve())
 
     def _found(self, address: Any) -> None:
-        """What looking up gave; None leaves the address that was found before."""
+        """Use a looked-up address. None leaves the address that was found before."""
         self._next_lookup = monotonic() + LOOKUP_PAUSE
         self._lookup_due = address is None
         if address is not None:

@@ -1,7 +1,7 @@
-"""What a link remembers of each system it hears: newest messages, flight mode, parameters.
+"""The state that a link keeps of each system it hears: newest messages, flight mode, parameters.
 
-Every key in these tables is chosen by whoever sends, so each table is capped: beyond the cap the
-known keys keep being updated and new ones are left out.
+Senders choose the keys of these tables, so each table is capped: beyond the cap the known keys keep being updated
+and new ones are left out.
 """
 
 from __future__ import annotations

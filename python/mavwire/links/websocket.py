@@ -24,7 +24,7 @@ HANDSHAKE_TIMEOUT = 5.0
 
 
 class _WebSocketLink(StreamLink):
-    """What both ends share: a socket under a wsproto connection."""
+    """A socket under a wsproto connection: the part that both ends share."""
 
     # The connection that was made last: its socket and its protocol.
     _made: tuple[Any, Any] = (None, None)
@@ -66,7 +66,7 @@ class _WebSocketLink(StreamLink):
             self._let_go(port)
 
     def recv(self, n: int | None = None) -> bytes:
-        """What one read brings, whatever `n`; empty without data or peer, and while another thread reads."""
+        """All bytes of one read; empty without data or peer, and while another thread reads."""
         return self._reading.run(self._read) or b""
 
     def _read(self) -> bytes:

@@ -1,4 +1,4 @@
-"""What each command does. An action raises RefusedError, or returns a MAV_RESULT, or None when done."""
+"""The action of each command. An action raises RefusedError, or returns a MAV_RESULT, or None when done."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _set_home(vehicle: Vehicle, command: Command) -> None:
         return
     there = destination(vehicle, command)
     place = vehicle.copter.origin.globe(Local(there.north, there.east, 0.0))
-    # The altitude of a home is above sea level whatever the frame says of relative ones.
+    # The altitude of a home is above sea level, in relative frames too.
     pilot.set_home(place._replace(alt=command.param(7, place.alt)))
 
 

@@ -20,7 +20,7 @@ COMPONENT_METADATA_ID = 397
 
 
 class Answers(Service):
-    """What a vehicle tells about itself on request."""
+    """The messages that a vehicle sends on request."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         super().__init__(vehicle)

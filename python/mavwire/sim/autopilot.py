@@ -115,7 +115,7 @@ class Autopilot:
         self.vehicle.say("landed" if landed else "took_off")
 
     def _watch(self, dt: float, climb: float) -> None:
-        """What happens without being asked for."""
+        """Disarming, mode changes and failsafes that nobody asks for."""
         if self.task.done:
             self._task_done()
         if self.copter.landed and climb <= 0:
@@ -248,7 +248,7 @@ class Autopilot:
             self._enter(self.personality.mode_of(role))
 
     def terminate(self) -> None:
-        """Flight termination: the motors stop, whatever that means."""
+        """Flight termination: the motors stop, in the air too."""
         self.terminated = True
         self.vehicle.say("terminated")
 

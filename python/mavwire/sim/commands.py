@@ -113,7 +113,7 @@ def destination(vehicle: Vehicle, command: Command) -> Local:
         return within_world(Local(command.x, command.y, -command.z))
     lat, lon = command.x, command.y
     unsaid = not (math.isfinite(lat) and math.isfinite(lon)) or (lat == 0 and lon == 0)
-    # COMMAND_INT has no NaN; this integer stands for it.
+    # COMMAND_INT has no NaN. An integer outside the globe means the same.
     if unsaid or abs(lat) > 90 or abs(lon) > 180:
         lat, lon = here.lat, here.lon
     alt = vehicle.personality.command_altitude(pilot, command.z, command.frame)

@@ -27,7 +27,7 @@ class Files:
         self.folders = {"/"} | {folder for path in self.contents for folder in _parents(path)}
 
     def add_made(self, path: str, make: Made) -> None:
-        """Offer a file that is made for whoever opens it."""
+        """Offer a file that is made when it is opened."""
         path = _clean(path)
         self.made[path] = make
         self.folders |= _parents(path)

@@ -199,7 +199,7 @@ class Ftp(Service):
         size = self._block(packet)
         if packet.offset >= len(self._session(packet).data):
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
-        # One for each session, whoever asks: senders are as many as addresses are made up.
+        # One for each session, not for each sender: a peer may make up any number of addresses.
         self._streams = [s for s in self._streams if s.session != packet.session]
         self._streams.append(Stream(to, packet.session, packet.seq, packet.offset, size))
         self._last = None

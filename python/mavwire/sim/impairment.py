@@ -43,7 +43,7 @@ PERFECT = Impairment()
 
 @dataclass
 class Counters:
-    """What happened to the frames of one direction."""
+    """Counters for the frames of one direction."""
 
     passed: int = 0
     lost: int = 0
@@ -87,7 +87,7 @@ class Channel(Generic[T]):
             counters.passed += 1
 
     def take(self, now: float) -> list[T]:
-        """What has arrived by now."""
+        """The items that have arrived by now."""
         arrived = []
         while self._waiting and self._waiting[0][0] <= now:
             arrived.append(heappop(self._waiting)[2])

@@ -21,11 +21,11 @@ YAW_LAG = 0.25
 VELOCITY_GAIN = 1.6
 CLIMB_GAIN = 2.5
 YAW_GAIN = 2.0
-# What the frame can do: lean in rad, climb acceleration in m/s2, yaw rate in rad/s.
+# The limits of the frame: lean in rad, climb acceleration in m/s2, yaw rate in rad/s.
 MAX_LEAN = math.radians(30)
 MAX_CLIMB_ACCEL = 4.0
 MAX_YAW_RATE = math.radians(90)
-# Whatever is asked for, it flies no faster than this, in m/s along each axis.
+# The highest speed along each axis, in m/s.
 MAX_SPEED = 25.0
 MAX_CLIMB = 12.0
 # Air resistance: the lean at constant speed comes from it. In 1/s.
@@ -35,7 +35,7 @@ FALL_DRAG = 0.3
 
 @dataclass
 class Demand:
-    """What the vehicle shall do: velocities in m/s north, east and up; a heading in rad or a turn
+    """The movement that is asked of the vehicle: velocities in m/s north, east and up; a heading in rad or a turn
     in rad/s, or neither to keep the heading.
     """
 
@@ -158,7 +158,7 @@ class Copter:
         return x, y * cos + z * sin, z * cos - y * sin
 
     def specific_force(self) -> tuple[float, float, float]:
-        """What an accelerometer feels, in m/s2: forward, right, down."""
+        """The reading of an accelerometer in m/s2: forward, right, down."""
         return self.body(self.an, self.ae, -self.au - GRAVITY)
 
     def quaternion(self) -> tuple[float, float, float, float]:

@@ -65,7 +65,7 @@ class Item:
 
 
 def scale_of(frame: int) -> float:
-    """What `x` and `y` are multiplied with on the wire."""
+    """The factor of `x` and `y` on the wire."""
     return E7 if frame in GLOBAL else E4 if frame == LOCAL_NED else 1.0
 
 

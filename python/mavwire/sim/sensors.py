@@ -1,4 +1,4 @@
-"""What a vehicle measures of itself: a battery that drains, a GPS that needs a while, noise."""
+"""The sensors of a vehicle: a battery that drains, a GPS that needs a while, noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the protocol services of a vehicle have in common."""
+"""The base class of the protocol services of a vehicle."""
 
 from __future__ import annotations
 

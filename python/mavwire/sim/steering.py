@@ -18,7 +18,7 @@ FACE_BEYOND = 3.0
 
 @dataclass
 class Tuning:
-    """What parameters set about the flight: m/s, m, seconds, mAh."""
+    """The settings of a flight that parameters give: m/s, m, seconds, mAh."""
 
     cruise_speed: float = 5.0
     climb_speed: float = 2.5

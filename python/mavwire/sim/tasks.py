@@ -1,4 +1,4 @@
-"""What a vehicle can be busy with: each task says, moment by moment, how the copter shall move.
+"""The tasks of a vehicle. Each says, moment by moment, how the copter shall move.
 
 A task knows nothing of messages and modes. The autopilot picks one when the mode or a command
 asks for it, and looks at `done`.

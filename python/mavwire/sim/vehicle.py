@@ -186,7 +186,7 @@ class Vehicle:
 
     @property
     def losses(self) -> tuple[Counters, Counters]:
-        """What a bad link did to frames sent and to messages received."""
+        """The counters of a bad link for frames sent and messages received."""
         return self._outgoing.counters, self._incoming.counters
 
     def start_now(self, unix: float) -> None:
@@ -304,7 +304,7 @@ class Vehicle:
     # -- events
 
     def params_changed(self, name: str) -> None:
-        """A parameter has a new value; `name` may stand for all."""
+        """A parameter has a new value. After a reset `name` is that of the system id."""
         self._load_tuning()
         if name.startswith("SR0_") or name == self.personality.sysid_param:
             self.streams.load_rates()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """What the traffic is like; fractions are between 0 and 1."""
+    """The properties of the traffic; fractions are between 0 and 1."""
 
     messages: int = 100_000
     seed: int = 0
@@ -51,7 +51,7 @@ class Options:
 
 @dataclass
 class Written:
-    """What `generate` put into a file."""
+    """The content of a file by `generate`."""
 
     messages: int = 0
     bytes: int = 0

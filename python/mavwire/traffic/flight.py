@@ -76,7 +76,7 @@ class Flight:
         rate = 1.0 / self.step if self.step else 0.0
         self.rates = ((self.roll - roll) * rate, (self.pitch - pitch) * rate, turn * rate)
         self.heading = math.degrees(self.yaw) % 360.0
-        # What an accelerometer feels, in thousandths of g.
+        # The reading of an accelerometer in thousandths of g.
         self.accel = (
             int(1000 * math.sin(self.pitch)) + int(20 * self.noise[4]),
             int(-1000 * math.sin(self.roll)) + int(20 * self.noise[5]),

@@ -1,5 +1,4 @@
-"""What an ArduCopter vehicle and its ground station send: message types, their rates and where each
-value comes from.
+"""The messages of an ArduCopter vehicle and its ground station, their rates, and the source of each value.
 
 Every entry is a message name, a period in ticks of 0.1 s, and a function from the flight to the
 values in definition order (extension fields last, left out where a vehicle without that sensor

@@ -1,4 +1,4 @@
-"""What differs between autopilots, as data and a few decisions.
+"""The differences between autopilots, as data and a few decisions.
 
 Two families dominate and disagree about nearly everything a ground station notices: how modes are
 numbered, how integers travel in parameters, which commands exist, what refuses to arm and what is
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Role(Enum):
-    """What a mode does, whatever it is called."""
+    """The job of a mode, which autopilots give different names."""
 
     MANUAL = auto()
     HOLD = auto()
@@ -141,11 +141,11 @@ class Personality:
     # -- rules of flight
 
     def after(self, role: Role, landed: bool) -> Role | None:
-        """What follows when the task of a mode is done."""
+        """The role after the task of a mode is done."""
         return None
 
     def after_disarming(self, role: Role) -> Role | None:
-        """What follows when the motors stop."""
+        """The role after the motors stop."""
         return None
 
     def prepare_takeoff(self, autopilot: Autopilot) -> None:
@@ -178,5 +178,5 @@ class Personality:
         raise NotImplementedError
 
     def banner(self, vehicle: Vehicle) -> Iterable[str]:
-        """What it says of itself to a ground station that asks."""
+        """The texts that introduce it to a ground station."""
         raise NotImplementedError

@@ -1,4 +1,4 @@
-"""What both families have: commands, mission items, capabilities."""
+"""The commands, mission items and capabilities of both families."""
 
 from __future__ import annotations
 
