@@ -1,7 +1,7 @@
 """The state that a link keeps of each system it hears: newest messages, flight mode, parameters.
 
-Senders choose the keys of these tables, so each table is capped: beyond the cap the known keys keep being updated
-and new ones are left out.
+Senders choose the keys of these tables, so a link limits how many keys it keeps. Beyond the limit,
+known keys are updated and new ones are left out.
 """
 
 from __future__ import annotations

@@ -133,7 +133,7 @@ impl Types {
 impl<'a, 'py> Dump<'a, 'py> {
     fn new(log: &'a Bound<'py, LogLink>, options: Options<'py>) -> PyResult<Self> {
         let link = log.as_super().get();
-        if link.state().first_byte || !link.is_quick() || !link.state().reads_log() {
+        if !link.state().knows_version || !link.is_quick() || !link.state().reads_log() {
             return Err(PyRuntimeError::new_err("the log is not ready to be dumped"));
         }
         let mav = link.mav(log.py())?;

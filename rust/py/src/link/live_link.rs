@@ -52,9 +52,9 @@ impl LiveLink {
         link.is_quick()
             && source.transport != Transport::Foreign
             && !slf.get().has_unsent(slf.py())
-            && !state.records_bytes()
+            && state.logfile_raw.is_none()
             && !state.has_own_parser()
-            && !state.first_byte
+            && state.knows_version
     }
 
     /// Reading the descriptor of `port` is all that reading it does: no TLS socket, nothing of the user's own.

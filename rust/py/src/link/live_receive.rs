@@ -180,7 +180,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
     };
     let from = source.sender();
     let news = source.news(from, true, now);
-    let is_recorded = state.records_messages();
+    let is_recorded = state.logfile.is_some();
     Scanned::Fresh(Fresh { plain, index: entry.index, bytes, is_recorded, news })
 }
 
@@ -220,7 +220,7 @@ fn deliver_other<'py>(
         let is_targeted = is_good && info.is_some_and(|info| info.is_targeted(payload_of(frame)));
         LiveLink::announce(slf, from, is_good, is_targeted)?;
     }
-    if slf.as_super().get().state().records_messages() {
+    if slf.as_super().get().state().logfile.is_some() {
         slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
     }
     tracking::post(slf.as_super(), &message)?;

@@ -63,7 +63,7 @@ pub(crate) fn build(
 
 /// Shows the marker of the first record to `auto_mavlink_version`, which may change the dialect.
 fn detect_version(log: &Bound<'_, LogLink>, size: u64) -> PyResult<()> {
-    if !log.as_super().get().state().first_byte {
+    if log.as_super().get().state().knows_version {
         return Ok(());
     }
     let first =

@@ -3,7 +3,6 @@
 //! Native code reads the log as long as no program replaced a method that it stands for or the parser's, and nothing is
 //! recorded. See [`crate::link::receive`].
 
-use mavwire_core::log::tlog::Framing;
 use pyo3::prelude::*;
 
 use crate::link::log_wanted::{self, Wanted};
@@ -56,11 +55,5 @@ impl LogLink {
     pub(crate) fn seek_to(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
         slf.as_super().get().mav(slf.py())?;
         Self::visit(slf, &[offset])
-    }
-
-    /// Records have time stamps.
-    pub(super) fn is_stamped(slf: &Bound<'_, Self>) -> bool {
-        let state = slf.as_super().get().state();
-        state.reader.as_ref().is_none_or(|reader| reader.framing == Framing::Stamped)
     }
 }

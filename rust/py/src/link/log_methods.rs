@@ -126,7 +126,8 @@ impl LogLink {
     /// Records have time stamps, whether or not messages are stamped with them.
     #[getter]
     fn _stamped(slf: &Bound<'_, Self>) -> bool {
-        Self::is_stamped(slf)
+        let state = slf.as_super().get().state();
+        state.reader.as_ref().is_none_or(|reader| reader.framing == Framing::Stamped)
     }
 
     /// Number of the link that the current record came from.

@@ -25,7 +25,7 @@ pub(crate) fn next_parsed<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound
     let is_first = {
         let mut state = link.get().state();
         state.percent = state.reader.as_ref().map_or(state.percent, |reader| reader.percent());
-        state.first_byte
+        !state.knows_version
     };
     if is_first {
         detect_version(link)?;
@@ -43,7 +43,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     let py = link.py();
     let mut guard = link.get().state();
     let state = &mut *guard;
-    if state.first_byte || state.is_recording() || state.has_own_parser() {
+    if !state.knows_version || state.is_recording() || state.has_own_parser() {
         return Ok(None);
     }
     let has_hooks = state.has_hooks(py);

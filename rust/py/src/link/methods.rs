@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyInt, PyString, PyTuple};
 
 use crate::link::receive::{self, Request};
-use crate::link::state::{Link, LinkState, QUICK_METHODS};
+use crate::link::state::{Link, QUICK_METHODS};
 use crate::link::system::forget_states;
 use crate::link::tracking;
 use crate::message::object::Message;
@@ -169,11 +169,11 @@ impl Link {
     /// The protocol version of the link is still to be found out from its first byte.
     #[getter(first_byte)]
     fn get_first_byte(&self) -> bool {
-        self.state().first_byte
+        !self.state().knows_version
     }
     #[setter(first_byte)]
     fn set_first_byte(&self, #[pyo3(from_py_with = truth)] value: bool) {
-        self.state().first_byte = value;
+        self.state().knows_version = !value;
     }
 
     /// File that received messages are recorded to, or None.
@@ -254,7 +254,7 @@ impl Link {
     }
 
     fn __clear__(&self) {
-        let old = std::mem::replace(&mut *self.state(), LinkState::new());
+        let old = std::mem::take(&mut *self.state());
         drop(old);
     }
 }

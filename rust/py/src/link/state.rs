@@ -28,6 +28,7 @@ pub(super) const QUICK_METHODS: [&str; 7] = [
 ];
 
 /// What changes with every message.
+#[derive(Default)]
 pub(crate) struct LinkState {
     pub(super) mav: Option<Py<PyAny>>,
     /// `mav`, if it is what it should be.
@@ -38,9 +39,11 @@ pub(crate) struct LinkState {
     pub(crate) reception: Reception,
     /// Room for names that senders choose.
     pub(crate) room: Room,
-    /// The protocol version is not known yet.
-    pub(crate) first_byte: bool,
+    /// The first byte has told the protocol version.
+    pub(crate) knows_version: bool,
+    /// Messages are written to it.
     pub(super) logfile: Option<Py<PyAny>>,
+    /// Received bytes are written to it.
     pub(super) logfile_raw: Option<Py<PyAny>>,
     /// The log being read, if the link is one.
     pub(crate) reader: Option<Box<LogReader>>,
@@ -52,25 +55,6 @@ pub(crate) struct LinkState {
 }
 
 impl LinkState {
-    pub(super) fn new() -> Self {
-        Self {
-            mav: None,
-            native_mav: None,
-            sysid_state: None,
-            systems: Systems::default(),
-            message_hooks: None,
-            reception: Reception::default(),
-            room: Room::default(),
-            first_byte: true,
-            logfile: None,
-            logfile_raw: None,
-            reader: None,
-            last_fresh: None,
-            last: None,
-            percent: 0.0,
-        }
-    }
-
     /// Received bytes have to be shown to `mav`: it is none of ours, or what takes them was replaced, which may happen at
     /// any time.
     pub(crate) fn has_own_parser(&self) -> bool {
@@ -85,16 +69,6 @@ impl LinkState {
     /// Something is written for every message received.
     pub(crate) fn is_recording(&self) -> bool {
         self.logfile.is_some() || self.logfile_raw.is_some()
-    }
-
-    /// Something is written for every message.
-    pub(crate) fn records_messages(&self) -> bool {
-        self.logfile.is_some()
-    }
-
-    /// Something is written for every read.
-    pub(crate) fn records_bytes(&self) -> bool {
-        self.logfile_raw.is_some()
     }
 
     /// Takes the time from a message of a raw stream that a program parsed itself.
@@ -135,7 +109,7 @@ pub(crate) struct Link {
 
 impl Link {
     pub(crate) fn new(methods: OwnMethods) -> Self {
-        Self { state: Lock::new(LinkState::new()), methods }
+        Self { state: Lock::new(LinkState::default()), methods }
     }
 
     /// A link of `class`, which native code can read.
