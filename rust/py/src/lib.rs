@@ -62,8 +62,6 @@ mod _native {
     #[pymodule_export]
     use crate::link::methods::instance_dict;
     #[pymodule_export]
-    use crate::link::peers::peer_to_replace;
-    #[pymodule_export]
     use crate::link::replaced::replace_function;
     #[pymodule_export]
     use crate::link::state::Link;
@@ -81,6 +79,8 @@ mod _native {
     use crate::message::object::Message;
     #[pymodule_export]
     use crate::port::accept::accept;
+    #[pymodule_export]
+    use crate::port::peers::peer_to_replace;
     #[pymodule_export]
     use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};
     #[pymodule_export]

@@ -15,7 +15,6 @@ pub(crate) mod log_wanted;
 pub(crate) mod message_source;
 pub(crate) mod methods;
 pub(crate) mod params;
-pub(crate) mod peers;
 pub(crate) mod plain;
 pub(crate) mod receive;
 pub(crate) mod replaced;

@@ -3,6 +3,7 @@
 pub(crate) mod accept;
 pub(crate) mod answer;
 pub(crate) mod close_port;
+pub(crate) mod peers;
 pub(crate) mod ports;
 pub(crate) mod recording;
 pub(crate) mod stream_queue;

@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::link::live_failure::Failure;
-use crate::link::peers::to_python;
 use crate::link::state::Link;
+use crate::port::peers::to_python;
 use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::Calling;

@@ -7,8 +7,8 @@ use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::link::live_failure::Failure;
 use crate::link::live_link::LiveLink;
-use crate::link::peers::{from_python, to_python};
 use crate::link::state::Link;
+use crate::port::peers::{from_python, to_python};
 use crate::port::ports::close_port;
 use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
