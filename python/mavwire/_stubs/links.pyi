@@ -19,6 +19,9 @@ class SystemState:
     def components(self) -> dict[int, dict[str, Any]]:
         """Component id -> message type -> newest message of that component alone, as they are now."""
 
+    def of_component(self, compid: int, kind: str | None = None) -> dict[str, Any]:
+        """Message type -> newest message of a component, as they are now. With `kind` of that type alone."""
+
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
 

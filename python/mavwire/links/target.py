@@ -107,7 +107,7 @@ class Target:
         system = self.sysid_state.get(sysid)
         if system is None:
             return {}
-        return system.messages if compid is None else system.components.get(compid, {})
+        return system.messages if compid is None else system.of_component(compid)
 
     def latest(
         self,
@@ -121,8 +121,14 @@ class Target:
         None if there is none, or none that is at most `max_age` seconds old. Messages that other threads
         receive count too.
         """
-        newest: dict[str, ReceivedMessage]
-        newest = self.messages_of(self.sysid if sysid is None else sysid, compid)
+        system = self.sysid_state.get(self.sysid if sysid is None else sysid)
+        if system is None:
+            return None
+        newest: dict[str, ReceivedMessage] = (
+            system.messages
+            if compid is None
+            else system.of_component(compid, type.partition("[")[0])
+        )
         msg = newest.get(type)
         if msg is None or (max_age is not None and self._age(msg) > max_age):
             return None

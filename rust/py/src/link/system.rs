@@ -68,6 +68,11 @@ impl SystemState {
         }
         Ok(())
     }
+
+    /// The newest messages with their components, in the order of arrival.
+    fn in_order<'py>(&self, py: Python<'py>) -> Vec<(u8, Bound<'py, Message>)> {
+        self.newest.lock(py).in_order(|message| message.bind(py).clone())
+    }
 }
 
 /// Stores a message of a definition in a dictionary.
@@ -125,16 +130,35 @@ impl SystemState {
     #[getter]
     fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let tables = PyDict::new(py);
-        let newest = self.newest.lock(py).in_order(|message| message.clone_ref(py));
-        for (compid, message) in newest {
+        for (compid, message) in self.in_order(py) {
             let table = match tables.get_item(compid)? {
                 Some(table) => table.cast_into::<PyDict>()?,
                 None => PyDict::new(py),
             };
-            keep_in(&table, message.bind(py))?;
+            keep_in(&table, &message)?;
             tables.set_item(compid, table)?;
         }
         Ok(tables)
+    }
+
+    /// Message type -> newest message of a component, as they are now. With `kind` of that type alone.
+    #[pyo3(signature = (compid, kind = None))]
+    fn of_component<'py>(
+        &self,
+        py: Python<'py>,
+        compid: i64,
+        kind: Option<&str>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        for (_, message) in
+            self.in_order(py).into_iter().filter(|found| i64::from(found.0) == compid)
+        {
+            let info = message.get().info;
+            if kind.is_none() || info.map(|info| info.definition.name.as_str()) == kind {
+                keep_in(&table, &message)?;
+            }
+        }
+        Ok(table)
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
