@@ -1,9 +1,8 @@
 //! Replacements of `mavutil.time` and `mavutil.add_message` by a program.
 //!
-//! Links are fast because they call neither. A replacement is stored here and sets a flag, which links check.
+//! Links are fast because they call neither as long as there is no replacement here.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use mavwire_io::clock::unix_seconds;
 use pyo3::exceptions::PyValueError;
@@ -13,32 +12,10 @@ use pyo3::types::PyDict;
 use crate::python::calling::Calling;
 use crate::sync::slot::Slot;
 
-/// A function or module that programs may replace.
-struct Replaceable {
-    is_replaced: AtomicBool,
-    by: Slot,
-}
-
-impl Replaceable {
-    const fn new() -> Self {
-        Self { is_replaced: AtomicBool::new(false), by: Slot::new() }
-    }
-
-    fn set(&self, value: Option<Py<PyAny>>) {
-        self.is_replaced.store(value.is_some(), Relaxed);
-        self.by.set(value);
-    }
-
-    #[inline]
-    fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        if self.is_replaced.load(Relaxed) { self.by.get(py) } else { None }
-    }
-}
-
 /// `mavutil.time`
-static TIME: Replaceable = Replaceable::new();
+static TIME: Slot = Slot::new();
 /// `mavutil.add_message`
-static ADD_MESSAGE: Replaceable = Replaceable::new();
+static ADD_MESSAGE: Slot = Slot::new();
 
 /// The namespace of the module `time`, and `time.time` as it was when mavwire was loaded.
 static TIME_MODULE: OnceLock<(Py<PyDict>, Py<PyAny>)> = OnceLock::new();
