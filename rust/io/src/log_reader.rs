@@ -8,6 +8,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::progress::Progress;
 use crate::records::{AtOffset, RecordFinder};
 use crate::window::FileWindow;
 use mavwire_core::frame::{FrameBytes, MAX_FRAME_LEN};
@@ -111,8 +112,9 @@ impl LogReader {
     }
 
     /// How far the file is read.
-    pub fn percent(&self) -> f64 {
-        if self.size == 0 { 0.0 } else { 100.0 * self.offset as f64 / self.size as f64 }
+    #[inline]
+    pub fn progress(&self) -> Progress {
+        Progress::at(self.offset, self.size)
     }
 
     /// Up to `wanted` bytes from the position on.

@@ -123,6 +123,7 @@ impl Dialect {
     }
 
     /// The class of the message with this index, if it was used before.
+    #[inline]
     pub(crate) fn known_class(&self, index: u16) -> Option<&MessageClass> {
         self.classes[usize::from(index)].get()
     }

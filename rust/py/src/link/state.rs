@@ -15,6 +15,7 @@ use crate::python::error::Result;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::{Guard, Lock};
 use mavwire_io::log_reader::LogReader;
+use mavwire_io::progress::Progress;
 
 /// Methods of links that native code stands for.
 pub(super) const QUICK_METHODS: [&str; 7] = [
@@ -51,7 +52,8 @@ pub(crate) struct LinkState {
     pub(crate) last_fresh: Option<(u8, u16)>,
     /// The log's last message, if that was another one.
     pub(crate) last: Option<Py<Message>>,
-    pub(crate) percent: f64,
+    /// Where the log's last message began.
+    pub(crate) progress: Progress,
 }
 
 impl LinkState {
@@ -94,7 +96,7 @@ impl LinkState {
     /// Hooks are to be called.
     pub(crate) fn has_hooks(&self, py: Python<'_>) -> bool {
         self.message_hooks.as_ref().is_some_and(|hooks| {
-            hooks.bind(py).cast::<PyList>().map_or(true, |list| !list.is_empty())
+            hooks.bind(py).cast_exact::<PyList>().map_or(true, |list| !list.is_empty())
         })
     }
 }
