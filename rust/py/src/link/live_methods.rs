@@ -39,7 +39,7 @@ impl LiveLink {
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         self.failure.traverse(&visit)?;
-        self.writer.traverse(visit.clone())?;
+        self.writer.traverse(visit)?;
         self.plain_port.traverse(visit)
     }
 
