@@ -12,6 +12,7 @@ order and indentation), which makes an update one readable diff:
     tools/import_definitions.py --check DIR     # exit 1 and a summary where the tree differs
 
 Files of the tree that DIR does not have are left alone: dialects may come from several sources.
+`--pin NAME REVISION DATE` names the origin of DIR in message_definitions/sources.toml.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
+import definition_sources
 from mavwire._native import DefinitionFile
 
 OUTPUT = Path(__file__).resolve().parent.parent / "message_definitions" / "v1.0"
 
 HEADER = """<?xml version="1.0"?>
-<!-- Facts of a MAVLink dialect, without descriptions. Written by tools/import_definitions.py. -->
+<!-- Facts of a MAVLink dialect, without descriptions. Written by tools/{}. -->
 """
 
 # Elements whose text is a fact.
@@ -119,7 +121,7 @@ def facts(source: Path) -> str:
             raise DefinitionError(problem)
     lines: list[str] = []
     write_element(root, 0, lines)
-    return HEADER + "\n".join(lines) + "\n"
+    return HEADER.format("import_definitions.py") + "\n".join(lines) + "\n"
 
 
 def summary(name: str, old: str | None, new: str) -> str:
@@ -133,7 +135,7 @@ def summary(name: str, old: str | None, new: str) -> str:
     return f"{name}: {added} lines to add, {len(body) - added} to remove, first: {first}"
 
 
-def run(source: Path, output: Path, check: bool) -> int:
+def run(source: Path, output: Path, check: bool, pin: definition_sources.Source | None) -> int:
     """Import every *.xml of `source`; returns the exit status."""
     files = sorted(source.glob("*.xml"))
     if not files:
@@ -148,6 +150,10 @@ def run(source: Path, output: Path, check: bool) -> int:
             if not check:
                 output.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8", newline="\n")
+    if pin is not None and not check:
+        pin.sha256 = definition_sources.digests(source)
+        definition_sources.save(pin)
+        definition_sources.save_written(*output.glob("*.xml"))
     stale.append(f"{len(results)} files, {len(stale)} {'differ' if check else 'written'}")
     print("\n".join(stale))
     return 1 if check and len(stale) > 1 else 0
@@ -159,9 +165,10 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("source", type=Path, help="directory of upstream XML")
     parser.add_argument("--output", type=Path, default=OUTPUT, help="default: %(default)s")
     parser.add_argument("--check", action="store_true", help="only compare; exit 1 on a difference")
+    definition_sources.add_pin(parser)
     options = parser.parse_args(argv)
     try:
-        return run(options.source, options.output, options.check)
+        return run(options.source, options.output, options.check, *(options.pin or [None])[:1])
     except DefinitionError as failure:
         print(f"error: {failure}", file=sys.stderr)
         return 2

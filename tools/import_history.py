@@ -11,6 +11,7 @@ message that is too long for a frame.
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import xml.etree.ElementTree as ET
@@ -18,6 +19,7 @@ from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
 
+import definition_sources
 from import_definitions import HEADER, write_element
 from mavwire import _native
 from union_definitions import UNION
@@ -74,32 +76,41 @@ def text(rows: list[dict[str, Any]]) -> str:
         use = f"{row['first_commit']} to {row['last_commit']}, {files}"
         lines.append(f"    <!-- CRC_EXTRA {row['crc_extra']}, {use} -->")
         write_element(element(row), 2, lines)
-    return HEADER + "\n".join([*lines, "  </messages>", "</mavlink>"]) + "\n"
+    return (
+        HEADER.format("import_history.py")
+        + "\n".join([*lines, "  </messages>", "</mavlink>"])
+        + "\n"
+    )
 
 
-def main() -> int:
+def main(argv: list[str] | None = None) -> int:
     """Command line entry point."""
-    if len(sys.argv) != 2:
-        print(__doc__, file=sys.stderr)
-        return 2
-    union = ET.parse(UNION).getroot()
-    _, layouts = json.loads(
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("history", type=Path, metavar="history.json")
+    parser.add_argument("--output", type=Path, default=HISTORY, help="default: %(default)s")
+    options = parser.parse_args(argv)
+    union, layouts = json.loads(
         _native.DefinitionFile("upstream", UNION.read_text(encoding="utf-8")).parse()
     )
-    ids = [int(message.get("id", "")) for message in union.iter("message")]
-    current = {id_: layout["crc_extra"] for id_, layout in zip(ids, layouts, strict=True)}
-    rows = [row for row in json.loads(Path(sys.argv[1]).read_bytes()) if is_kept(row, current)]
+    current = {
+        message["id"]: layout["crc_extra"]
+        for message, layout in zip(union["messages"], layouts, strict=True)
+    }
+    rows = [row for row in json.loads(options.history.read_bytes()) if is_kept(row, current)]
     rows.sort(key=lambda row: (row["id"], row["first_commit"], row["crc_extra"]))
     written = text(rows)
     _, layouts = json.loads(_native.DefinitionFile("history", written).parse())
     for row, layout in zip(rows, layouts, strict=True):
         if layout["crc_extra"] != row["crc_extra"]:
             print(
-                f"error: {row['id']} {row['name']}: {layout} is not {row['crc_extra']}",
+                f"error: {row['id']} {row['name']}: CRC_EXTRA of the fields is {layout['crc_extra']}, "
+                f"not {row['crc_extra']}",
                 file=sys.stderr,
             )
             return 1
-    HISTORY.write_text(written, encoding="utf-8", newline="\n")
+    options.output.write_text(written, encoding="utf-8", newline="\n")
+    if options.output == HISTORY:
+        definition_sources.save_written(HISTORY)
     print(f"{len(rows)} layouts of {len({row['id'] for row in rows})} ids")
     return 0
 

@@ -1,43 +1,54 @@
 #!/usr/bin/env python3
 """Write message_definitions/upstream/upstream.xml: every message and enum entry of several sets of definitions.
 
-    tools/union_definitions.py path/to/mavlink/message_definitions/v1.0 path/to/ardupilot/...
+    tools/union_definitions.py path/to/mavlink path/to/ardupilot
     tools/union_definitions.py --check DIR...   # exit 1 where the file differs
 
-The set that the project ships is the last one. Where several sets have a message, the longest list of fields counts.
+Behind the sets come the dialects of pymavlink and the union as it was: messages that upstream removes stay, but for
+`--fresh`. Where several sets have a message, the longest list of fields counts.
 Sets must not contradict each other: a message id with two names, a changed field or a changed enum value is an error.
 A set may use an id or an enum twice in files that are not meant to be used together. Those of `all.xml` count then, and
-the tool prints the messages that it leaves out.
+the tool prints the messages that it leaves out. Git tells the origin of each set for sources.toml, or `--pin` does.
 """
 
 from __future__ import annotations
 
 import argparse
 import copy
+import json
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import definition_sources
 from import_definitions import HEADER, OUTPUT, DefinitionError, write_element
+from mavwire._native import DefinitionFile
+from mavwire.cli.dev._definition_facts import definition_files
 
 UNION = OUTPUT.parent / "upstream" / "upstream.xml"
 
 
-def roots(folder: Path) -> tuple[list[ET.Element], list[ET.Element]]:
-    """The definitions of a folder: `all.xml` with its includes, and the other files by name."""
-    files = {path.name: ET.parse(path).getroot() for path in sorted(folder.glob("*.xml"))}
-    order = ["all.xml"]
+Values = dict[ET.Element, int]
+
+
+def roots(folder: Path) -> tuple[list[ET.Element], list[ET.Element], Values]:
+    """The definitions of a folder or file: `all.xml` with its includes, and the others by name. The values are those of
+    enum entries.
+    """
+    files: dict[str, ET.Element] = {}
+    values: Values = {}
+    for path in definition_files(folder) if folder.is_dir() else [folder]:
+        text = path.read_text(encoding="utf-8-sig")
+        files[path.name] = ET.fromstring(text)
+        definitions, _ = json.loads(DefinitionFile(str(path), text).parse())
+        entries = [one["value"] for enum in definitions["enums"] for one in enum["entries"]]
+        values |= dict(zip(files[path.name].iterfind("enums/enum/entry"), entries, strict=True))
+    order = ["all.xml"] if "all.xml" in files else []
     for name in order:  # which grows meanwhile
         included = [(element.text or "").strip() for element in files[name].iter("include")]
         order += [one for one in included if one not in order]
     together = [files.pop(name) for name in order]
-    return together, list(files.values())
-
-
-def number(value: str) -> int:
-    """The value of an enum entry: decimal, hexadecimal or `2**n`."""
-    base, _, power = value.partition("**")
-    return int(base, 0) ** int(power) if power else int(base, 0)
+    return together, list(files.values()), values
 
 
 def base_fields(message: ET.Element) -> int:
@@ -53,10 +64,12 @@ class Union:
         self.messages: dict[int, ET.Element] = {}
         self.enums: dict[str, ET.Element] = {}
         self.left_out: list[str] = []
+        self._values: Values = {}
 
     def add(self, folder: Path) -> None:
         """Add a set of definitions."""
-        together, others = roots(folder)
+        together, others, values = roots(folder)
+        self._values |= values
         own: set[int] = set()
         for root in together:
             for enum in root.iter("enum"):
@@ -93,16 +106,14 @@ class Union:
         known = self.enums.get(name)
         if known is None:
             known = self.enums[name] = copy.copy(enum)
-        by_name = {one.get("name"): one for one in known.iter("entry")}
-        by_value = {number(one.get("value", "")): one for one in known.iter("entry")}
+        entries = list(known.iter("entry"))
+        by_name = {one.get("name"): self._values[one] for one in entries}
+        taken = set(by_name.values())
         for entry in enum.iter("entry"):
-            value = number(entry.get("value", ""))
-            same = by_name.get(entry.get("name"))
-            if same is not None and number(same.get("value", "")) != value:
-                raise DefinitionError(
-                    f"{name}: {entry.get('name')} is {same.get('value')} and {value}"
-                )
-            if same is None and value not in by_value:
+            value, entry_name = self._values[entry], entry.get("name")
+            if by_name.get(entry_name, value) != value:
+                raise DefinitionError(f"{name}: {entry_name} is {by_name[entry_name]} and {value}")
+            if entry_name not in by_name and value not in taken:
                 known.append(entry)
 
 
@@ -117,32 +128,51 @@ def text(union: Union) -> str:
         ET.SubElement(root, tag).extend(elements)
     lines: list[str] = []
     write_element(root, 0, lines)
-    return HEADER + "\n".join(lines) + "\n"
+    return HEADER.format("union_definitions.py") + "\n".join(lines) + "\n"
 
 
 def main(argv: list[str] | None = None) -> int:
     """Command line entry point."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("sets", nargs="+", type=Path, metavar="DIR", help="folder of upstream XML")
+    parser.add_argument(
+        "sets", nargs="+", type=Path, metavar="DIR", help="checkout, or folder of XML"
+    )
     parser.add_argument("--output", type=Path, default=UNION, help="default: %(default)s")
     parser.add_argument("--check", action="store_true", help="only compare; exit 1 on a difference")
+    parser.add_argument("--fresh", action="store_true", help="drop what upstream removed")
+    definition_sources.add_pin(parser)
     options = parser.parse_args(argv)
     union = Union()
+    old = options.output.read_text(encoding="utf-8") if options.output.is_file() else None
+    known = [] if options.fresh or old is None else [options.output]
     try:
-        for folder in [*options.sets, OUTPUT]:
+        for folder in [*options.sets, OUTPUT, *known]:
             union.add(folder)
         new = text(union)
-    except (DefinitionError, ET.ParseError, OSError) as failure:
+        is_imported = options.output == UNION and not options.check
+        sources = pins(options.sets, options.pin or []) if is_imported else []
+    except (ValueError, DefinitionError, ET.ParseError, OSError) as failure:
         print(f"error: {failure}", file=sys.stderr)
         return 2
     print("\n".join(f"left out: {one}" for one in union.left_out))
     print(f"{len(union.messages)} messages, {len(union.enums)} enums")
-    old = options.output.read_text(encoding="utf-8") if options.output.is_file() else None
     if options.check:
         return int(old != new)
     options.output.parent.mkdir(parents=True, exist_ok=True)
     options.output.write_text(new, encoding="utf-8", newline="\n")
+    if is_imported:
+        definition_sources.save(*sources)
+        definition_sources.save_written(UNION)
     return 0
+
+
+def pins(
+    folders: list[Path], given: list[definition_sources.Source]
+) -> list[definition_sources.Source]:
+    """The origin of each folder."""
+    for source, folder in zip(given, folders, strict=False):
+        source.sha256 = definition_sources.digests(folder)
+    return [*given, *map(definition_sources.checkout, folders[len(given) :])]
 
 
 if __name__ == "__main__":

@@ -162,6 +162,12 @@ class DefinitionFile:
     def standalone(self, includes: list[str]) -> str:
         """The text for a generated module to carry, with its includes by these names."""
 
+def builtin_definitions(name: str) -> str:
+    """A definition file that comes with mavwire, as `DefinitionFile.parse` gives it; DefinitionError if there is none."""
+
+def definition_sources() -> str:
+    """Where the definitions come from that come with mavwire, as TOML: revision, date and digests by source."""
+
 @final
 class Dialect:
     """A resolved dialect, bound to the namespace of its Python module."""
@@ -185,6 +191,14 @@ class Dialect:
         """One dialect of several: the first that knows a message id names it.
 
         DefinitionError for too many messages.
+        """
+
+    @staticmethod
+    def upstream_with(sets: list[dict[str, str]], wire_protocol: str) -> Dialect:
+        """The dialect `upstream` with newer sets of definitions: for each set the texts by file base names.
+
+        The first set counts. Layouts of `upstream` that a set replaces are still known. DefinitionError where they make
+        no dialect.
         """
 
     @staticmethod

@@ -58,7 +58,7 @@ def told_of(error: Exception, path: str | os.PathLike[str], main: str) -> str:
 
 
 def _add_includes(folder: Path, text: str, sources: dict[str, str]) -> None:
-    pending = [(folder, include) for include in _includes(text)]
+    pending = [(folder, include) for include in includes(text)]
     while pending:
         base, include = pending.pop(0)
         file = base / include
@@ -67,10 +67,11 @@ def _add_includes(folder: Path, text: str, sources: dict[str, str]) -> None:
         if len(sources) >= MAX_FILES:
             raise ValueError(f"{file}: more than {MAX_FILES} included files")
         sources[file.stem] = read_text(file)
-        pending += [(file.parent, inner) for inner in _includes(sources[file.stem])]
+        pending += [(file.parent, inner) for inner in includes(sources[file.stem])]
 
 
-def _includes(text: str) -> list[str]:
+def includes(text: str) -> list[str]:
+    """The paths that a definition file includes."""
     found = (include.strip() for include in _INCLUDE.findall(text))
     return [include for include in found if include]
 
@@ -85,6 +86,13 @@ def read_text(file: str | os.PathLike[str]) -> str:
         )  # open() would wait for the writer of a pipe
     with open(file, "rb") as source:
         data = source.read(MAX_BYTES + 1)
+    return decode(data, file)
+
+
+def decode(data: bytes, file: str | os.PathLike[str]) -> str:
+    """Text in the encoding that it declares. ``file`` is its name for the ``DefinitionError``."""
+    from mavwire._native import DefinitionError
+
     if len(data) > MAX_BYTES:
         raise DefinitionError(f"{file}: definition file larger than {MAX_BYTES} bytes")
     encoding = _encoding(data)

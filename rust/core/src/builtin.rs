@@ -1,6 +1,8 @@
 //! The dialects that come with the crate, as the build script packed them. A file is decoded when a dialect asks for it.
 
-use mavwire_schema::{Definitions, Dialect, Library, SchemaError, WireVersion, decode_blob};
+use mavwire_schema::{
+    Definitions, Dialect, Library, SchemaError, Union, WireVersion, decode_blob, resolve,
+};
 use std::sync::LazyLock;
 
 static HISTORY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/history.bin"));
@@ -12,6 +14,9 @@ static LIBRARY: LazyLock<Library<'static>> = LazyLock::new(|| {
 
 /// The dialect with every message of mavlink/mavlink and ArduPilot/mavlink.
 pub const UPSTREAM: &str = "upstream";
+
+/// Where the definitions come from: `message_definitions/sources.toml`.
+pub const SOURCES: &str = include_str!("../../../message_definitions/sources.toml");
 
 /// Names of the dialects, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -32,6 +37,28 @@ pub fn dialect(name: &str, wire_version: WireVersion) -> Result<Dialect, SchemaE
     Ok(dialect)
 }
 
+/// [`UPSTREAM`] with sets of newer definitions. Layouts that they replace are still known.
+///
+/// # Errors
+/// The sets make no dialect.
+pub fn upstream_with(
+    sets: Vec<Vec<Definitions>>,
+    wire_version: WireVersion,
+) -> Result<Dialect, SchemaError> {
+    let mut union = Union::default();
+    for set in sets {
+        union.add(set);
+    }
+    union.add(vec![LIBRARY.definitions(UPSTREAM)?]);
+    for history in decode_blob(HISTORY)? {
+        union.add_others(history.messages);
+    }
+    let (own, others) = union.finish(UPSTREAM);
+    let mut dialect = resolve(UPSTREAM, &mut |_| Ok(own.clone()), wire_version)?;
+    dialect.add_others(others)?;
+    Ok(dialect)
+}
+
 /// What one definition file says, includes unresolved. `path` may have folders and `.xml`.
 ///
 /// # Errors
@@ -43,8 +70,8 @@ pub fn definitions(path: &str) -> Result<Definitions, SchemaError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::registry::Registry;
-    use mavwire_schema::Reason;
+    use crate::registry::{Entry, Registry};
+    use mavwire_schema::{ParseOptions, Reason, parse_definitions};
     use std::collections::HashSet;
 
     #[test]
@@ -91,6 +118,27 @@ mod tests {
                 found.is_some_and(|entry| registry.message(entry.index).name == one.name)
             }));
         }
+    }
+
+    #[test]
+    fn newer_definitions_replace_and_add_messages() {
+        let text = r#"<mavlink><messages>
+            <message id="0" name="HEARTBEAT"><field type="uint16_t" name="type" enum="MAV_TYPE"/></message>
+            <message id="54000" name="GREENHOUSE"><field type="float" name="moisture"/></message>
+        </messages></mavlink>"#;
+        let newer = parse_definitions("all.xml", text, &ParseOptions::default());
+        let newer = newer.expect("it is well-formed");
+        let before = dialect(UPSTREAM, WireVersion::V2).map(Registry::new).expect("built in");
+        let after = upstream_with(vec![vec![newer]], WireVersion::V2).map(Registry::new);
+        let after = after.expect("a dialect");
+        assert_eq!(after.own_messages().len(), before.own_messages().len() + 1);
+        let name = |entry: Entry| after.message(entry.index).name.clone();
+        assert_eq!(after.lookup(54000).map(name).as_deref(), Some("GREENHOUSE"));
+        assert_eq!(after.lookup(0).map(|entry| entry.max_len), Some(2));
+        assert_eq!(after.other(0, 50).map(name).as_deref(), Some("HEARTBEAT_CRC50"));
+        let same = upstream_with(Vec::new(), WireVersion::V1).map(Registry::new).expect("built in");
+        let built_in = dialect(UPSTREAM, WireVersion::V1).map(Registry::new).expect("built in");
+        assert_eq!(same.dialect().messages, built_in.dialect().messages);
     }
 
     #[test]

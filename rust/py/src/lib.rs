@@ -44,7 +44,10 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
-    use crate::dialect::definition_file::{DefinitionFile, crc_extra, field_type, number_behind};
+    use crate::dialect::definition_file::{
+        DefinitionFile, builtin_definitions, crc_extra, definition_sources, field_type,
+        number_behind,
+    };
     #[pymodule_export]
     use crate::dialect::describe::describe;
     #[pymodule_export]

@@ -26,6 +26,7 @@ mod number;
 mod parse;
 mod resolve;
 mod standalone;
+mod union;
 
 pub use check::check_schema;
 pub use definitions::{
@@ -41,3 +42,4 @@ pub use merge::number_behind;
 pub use parse::{ParseOptions, Rules, dialect_name, field_type, parse_definitions};
 pub use resolve::{resolve, with_free_name};
 pub use standalone::standalone;
+pub use union::Union;

@@ -56,13 +56,17 @@ impl Dialect {
     /// its id if that is not enough.
     ///
     /// # Errors
-    /// A message that no frame can carry.
+    /// A message that no frame can carry, or too many messages.
     pub fn add_others(&mut self, definitions: Definitions) -> Result<(), SchemaError> {
         let mut names = self.messages.iter().map(|one| one.name.clone()).collect();
         let version = definitions.version.unwrap_or(DEFAULT_VERSION);
         for message in definitions.messages {
             let Some(message) = message.for_version(self.wire_version) else { continue };
             let place = Place { file: definitions.name.as_str().into(), line: message.line };
+            if self.others.len() == MAX_MESSAGES {
+                let reason = Reason::TooMany { what: "messages", limit: MAX_MESSAGES };
+                return Err(place.error(reason));
+            }
             let message = lay_out(message, version, &|_| false).map_err(|e| place.error(e))?;
             self.others.push(with_free_name(message, &mut names));
         }

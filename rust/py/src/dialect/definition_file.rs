@@ -1,7 +1,9 @@
 //! A definition file for the generator, which works on one file at a time and before anything is known to be right.
 
+use mavwire_core::builtin;
 use mavwire_schema::{
-    Layout, ParseOptions, Reason, Rules, SchemaError, check_schema, parse_definitions, standalone,
+    Definitions, Layout, ParseOptions, Reason, Rules, SchemaError, check_schema, parse_definitions,
+    standalone,
 };
 use pyo3::prelude::*;
 
@@ -25,10 +27,7 @@ impl DefinitionFile {
     fn parse(&self, py: Python<'_>) -> PyResult<String> {
         let options = ParseOptions { rules: Rules::Mavparse, ..ParseOptions::default() };
         let definitions = parse_definitions(&self.name, &self.text, &options);
-        let definitions = definitions.map_err(|error| with_position(py, &error))?;
-        let layouts: Vec<_> = definitions.messages.iter().map(Layout::of).collect();
-        let json = serde_json::to_string(&(definitions, layouts));
-        json.map_err(|error| DefinitionError::new_err(error.to_string()))
+        to_json(&definitions.map_err(|error| with_position(py, &error))?)
     }
 
     /// What is wrong by the MAVLink XML schema.
@@ -50,6 +49,24 @@ impl DefinitionFile {
         let text = standalone(&self.name, &self.text, &includes);
         text.map_err(|error| with_position(py, &error))
     }
+}
+
+/// A definition file that comes with mavwire, as `DefinitionFile.parse` gives it.
+#[pyfunction]
+pub(crate) fn builtin_definitions(name: &str) -> PyResult<String> {
+    to_json(&builtin::definitions(name).map_err(Error::from)?)
+}
+
+/// The text of `message_definitions/sources.toml`: where the definitions come from that come with mavwire.
+#[pyfunction]
+pub(crate) fn definition_sources() -> &'static str {
+    builtin::SOURCES
+}
+
+fn to_json(definitions: &Definitions) -> PyResult<String> {
+    let layouts: Vec<_> = definitions.messages.iter().map(Layout::of).collect();
+    let json = serde_json::to_string(&(definitions, layouts));
+    json.map_err(|error| DefinitionError::new_err(error.to_string()))
 }
 
 fn with_position(py: Python<'_>, error: &SchemaError) -> PyErr {

@@ -196,6 +196,17 @@ impl Dialect {
         Ok(Self::new(registry))
     }
 
+    /// The dialect `upstream` with newer sets of definitions: for each set the texts by file base names.
+    #[staticmethod]
+    fn upstream_with(sets: Vec<HashMap<String, String>>, wire_protocol: &str) -> Result<Self> {
+        let parse = |(name, text): (&String, &String)| {
+            parse_definitions(&format!("{name}.xml"), text, &ParseOptions::default())
+        };
+        let sets: Result<Vec<Vec<_>>, _> =
+            sets.iter().map(|set| set.iter().map(parse).collect()).collect();
+        Ok(Self::from_schema(builtin::upstream_with(sets?, wire_version(wire_protocol)?)?))
+    }
+
     /// Names of the built-in dialects.
     #[staticmethod]
     fn names() -> Vec<&'static str> {

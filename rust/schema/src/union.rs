@@ -1,0 +1,126 @@
+//! The union of definition files that are not written for each other: those of both upstreams, and a newer set beside them.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::definitions::{Definitions, EnumDef, EnumEntryDef, MessageDef};
+use crate::layout::Layout;
+use crate::number::MAX_VALUE;
+use crate::parse::dialect_name;
+
+/// The dialect that includes all others of a set that may be used together.
+const ALL: &str = "all";
+
+/// Sets of files as one file, and the layouts that it has no place for.
+///
+/// The first definition counts: an id, a name or an enum value that is taken stays as it is. Of two messages that differ in
+/// extension fields alone the longer one counts.
+#[derive(Debug, Default)]
+pub struct Union {
+    own: Definitions,
+    others: Vec<MessageDef>,
+    /// Where `own` has the message of an id.
+    by_id: HashMap<u32, usize>,
+    names: HashSet<String>,
+    /// The ids with `crc_extra` of `own` and `others`.
+    keys: HashSet<(u32, u8)>,
+    enums: HashMap<String, KnownEnum>,
+}
+
+/// Where the union has an enum, and what is taken there.
+#[derive(Debug)]
+struct KnownEnum {
+    index: usize,
+    names: HashSet<String>,
+    values: HashSet<Option<i128>>,
+}
+
+impl Union {
+    /// Adds a set. Within it the files that `all.xml` includes come first.
+    pub fn add(&mut self, files: Vec<Definitions>) {
+        for file in in_order(files) {
+            self.own.version = self.own.version.max(file.version);
+            for definition in file.enums {
+                self.add_enum(definition);
+            }
+            for message in file.messages {
+                self.add_message(message);
+            }
+        }
+    }
+
+    /// Adds layouts that ids have in other definitions.
+    pub fn add_others(&mut self, messages: impl IntoIterator<Item = MessageDef>) {
+        let new = messages.into_iter().filter(|message| self.keys.insert(key(message)));
+        self.others.extend(new);
+    }
+
+    /// The union under a name, and the layouts of ids that are taken.
+    pub fn finish(self, name: &str) -> (Definitions, Definitions) {
+        let own = Definitions { name: name.to_owned(), ..self.own };
+        let (name, version) = (own.name.clone(), own.version);
+        (own, Definitions { name, version, messages: self.others, ..Definitions::default() })
+    }
+
+    fn add_message(&mut self, message: MessageDef) {
+        let key = key(&message);
+        match self.by_id.get(&message.id) {
+            Some(&index) if self::key(&self.own.messages[index]) == key => {
+                let known = &mut self.own.messages[index];
+                if message.fields.len() > known.fields.len() {
+                    *known = message;
+                }
+            }
+            None if self.names.insert(message.name.to_ascii_uppercase()) => {
+                self.keys.insert(key);
+                self.by_id.insert(message.id, self.own.messages.len());
+                self.own.messages.push(message);
+            }
+            _ => self.add_others([message]),
+        }
+    }
+
+    fn add_enum(&mut self, mut definition: EnumDef) {
+        number(&mut definition.entries);
+        let known = self.enums.entry(definition.name.clone()).or_insert_with(|| {
+            self.own.enums.push(EnumDef { entries: Vec::new(), ..definition.clone() });
+            let index = self.own.enums.len() - 1;
+            KnownEnum { index, names: HashSet::new(), values: HashSet::new() }
+        });
+        for entry in definition.entries {
+            if !known.values.contains(&entry.value) && known.names.insert(entry.name.clone()) {
+                known.values.insert(entry.value);
+                self.own.enums[known.index].entries.push(entry);
+            }
+        }
+    }
+}
+
+/// What a frame tells of its message's definition. The name is part of it, since `crc_extra` covers it.
+fn key(message: &MessageDef) -> (u32, u8) {
+    (message.id, Layout::of(message).crc_extra)
+}
+
+/// Gives each entry its value: without one it is the highest before it plus one.
+fn number(entries: &mut [EnumEntryDef]) {
+    let mut highest = 0;
+    for entry in entries {
+        entry.value = entry.value.or_else(|| (highest < MAX_VALUE).then_some(highest + 1));
+        highest = highest.max(entry.value.unwrap_or(highest));
+    }
+}
+
+/// `all` and the files that it includes, then the others.
+fn in_order(mut files: Vec<Definitions>) -> Vec<Definitions> {
+    files.sort_by(|a, b| a.name.cmp(&b.name));
+    let mut ordered = Vec::new();
+    let mut wanted = vec![ALL.to_owned()];
+    while let Some(name) = wanted.pop() {
+        if let Some(index) = files.iter().position(|file| file.name == name) {
+            let file = files.remove(index);
+            wanted.extend(file.includes.iter().map(|path| dialect_name(path).to_owned()));
+            ordered.push(file);
+        }
+    }
+    ordered.extend(files);
+    ordered
+}
