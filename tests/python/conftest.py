@@ -9,12 +9,16 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
+import tempfile
 from collections.abc import Iterator
 
 import pytest
 
 SUBJECT = os.environ.get("MAVWIRE_SUBJECT", "mavwire")
 ORACLE = "pymavlink"
+
+# Definitions and descriptions that the user of this machine installed are none of the tests' business.
+os.environ["XDG_DATA_HOME"] = os.path.join(tempfile.gettempdir(), "mavwire-no-data")
 
 # Tests with real sockets, processes, signals and clocks: on a machine that stalls for seconds one
 # may fail though nothing is wrong. It is tried twice more, and the summary shows that it was.

@@ -55,7 +55,12 @@ def populate_builtin(namespace: dict[str, Any]) -> None:
 
     package, _, name = namespace["__name__"].rpartition(".")
     wire_protocol = "1.0" if package.endswith(".v10") else "2.0"
-    _module.fill(namespace, Dialect.builtin(name, wire_protocol), name)
+    native = None
+    if name == UPSTREAM:
+        from mavwire.dialects import _installed
+
+        native = _installed.dialect(wire_protocol)
+    _module.fill(namespace, native or Dialect.builtin(name, wire_protocol), name)
 
 
 def populate(

@@ -16,28 +16,50 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import Any
 
+    from mavwire._native import Dialect
+
 
 def stored_folder() -> Path:
     """The folder that ``mavwire definitions sync`` fills."""
     from pathlib import Path
 
-    base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(base) / "mavwire" / "definitions"
+    from mavwire.dialects._installed import data_folder
+
+    return Path(data_folder()) / "definitions"
 
 
-def _candidates(dialect: str) -> Iterator[Path]:
+def _folders() -> Iterator[Path]:
     from pathlib import Path
 
     if "MDEF" in os.environ:
-        yield Path(os.environ["MDEF"]) / "v1.0" / f"{dialect}.xml"
-    yield stored_folder() / f"{dialect}.xml"
+        yield Path(os.environ["MDEF"]) / "v1.0"
+    yield stored_folder()
+    if (installed := installed_folder()) is not None:
+        yield installed
+
+
+def installed_folder() -> Path | None:
+    """The folder with the definitions of an installed pymavlink."""
     from importlib import metadata
+    from pathlib import Path
 
     try:
         distribution = metadata.distribution("pymavlink")
     except metadata.PackageNotFoundError:
-        return
-    yield Path(str(distribution.locate_file(f"pymavlink/dialects/v20/{dialect}.xml")))
+        return None
+    return Path(str(distribution.locate_file("pymavlink/dialects/v20")))
+
+
+def of_messages(native: Dialect) -> dict[str, tuple[str, dict[str, str]]]:
+    """The descriptions of messages and their fields, by name: the definitions' own, or those found elsewhere."""
+    texts = Texts(native.name)
+    found = {}
+    for name, _ in native.messages():
+        message, fields = native.descriptions(name)
+        if not message and not any(fields.values()):
+            message, fields = texts.message(name)
+        found[name] = message, {field: text for field, text in fields.items() if text}
+    return found
 
 
 class Texts:
@@ -56,15 +78,14 @@ class Texts:
         return self._loaded
 
     def _load(self) -> dict[str, Any] | None:
-        from mavwire._native import describe
-        from mavwire.dialects import _sources
-
-        for file in _candidates(self._dialect):
-            try:
-                main, sources = _sources.collect(file, self._dialect)
-                return describe(main, sources)
-            except (OSError, ValueError):  # unreadable, too large, or no definitions
-                continue
+        for folder in _folders():
+            file = folder / f"{self._dialect}.xml"
+            # The union of all dialects has no file there, and neither has a user's own dialect.
+            files = (
+                [file] if file.is_file() else [folder / "all.xml", *sorted(folder.glob("*.xml"))]
+            )
+            if parts := [found for one in files if (found := _read(one)) is not None]:
+                return _united(parts)
         return None
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
@@ -88,3 +109,23 @@ class Texts:
     def _entry(self, enum: str, name: str) -> tuple[str, dict[int, str]]:
         texts: tuple[str, dict[int, str]] = self._find()["enums"].get(enum, {}).get(name, ("", {}))
         return texts
+
+
+def _read(file: Path) -> dict[str, Any] | None:
+    from mavwire._native import describe
+    from mavwire.dialects import _sources
+
+    try:
+        return describe(*_sources.collect(file, None))
+    except (OSError, ValueError):  # unreadable, too large, or no definitions
+        return None
+
+
+def _united(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """The descriptions of several files. Those of the first ones count."""
+    whole: dict[str, Any] = {"messages": {}, "enums": {}}
+    for part in parts:
+        whole["messages"] = part["messages"] | whole["messages"]
+        for enum, entries in part["enums"].items():
+            whole["enums"][enum] = entries | whole["enums"].get(enum, {})
+    return whole

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 from mavwire import cli, dialects
+from mavwire.cli.dev import definitions
 from mavwire.dialects import _sources
-from mavwire.dialects._descriptions import Texts
+from mavwire.dialects._descriptions import Texts, installed_folder
 
 XML = """<mavlink>
   <messages>
@@ -42,6 +43,28 @@ def test_stored_descriptions_are_found(data_home: Path, tmp_path: Path) -> None:
     text, fields = Texts("sample").message("SAMPLE")
     assert text == "What a sample is."
     assert fields == {"level": "How full it is."}
+
+
+def test_the_union_has_the_descriptions_of_all_stored_files(
+    data_home: Path, tmp_path: Path
+) -> None:
+    folder = _folder(tmp_path, "sample", XML.format(id=1))
+    (folder / "other.xml").write_text(XML.format(id=2).replace("SAMPLE", "OTHER"))
+    assert cli.main(["definitions", "sync", str(folder)]) == 0
+    for name in ("SAMPLE", "OTHER"):
+        assert Texts("upstream").message(name)[0] == "What a sample is."
+
+
+def test_descriptions_of_an_installed_pymavlink_are_stored(
+    data_home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = installed_folder()
+    if folder is not None:
+        assert cli.main(["definitions", "sync"]) == 0
+        assert (data_home / "mavwire" / "definitions" / "common.xml").is_file()
+    monkeypatch.setattr(definitions, "installed_folder", lambda: None)
+    assert cli.main(["definitions", "sync"]) == 1
+    assert "pymavlink is not installed" in capsys.readouterr().err
 
 
 def test_one_wrong_file_stores_nothing(

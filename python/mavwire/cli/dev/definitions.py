@@ -1,33 +1,45 @@
-"""Show a message, an enum or a command; store MAVLink XML with descriptions.
+"""Show a message, an enum or a command; compare, update and describe definitions.
 
-The definitions that come with mavwire carry facts, and a line on what common messages are for. The
-descriptions of upstream XML appear in docstrings, `enums` and here once they are stored: `sync`
-copies a folder of it to the user's data folder, `status` shows what is stored there, `clear`
-removes it.
+Without an action it says which definitions are in use. `show` prints one message, enum or command. `diff` compares two
+dialects, XML files or folders. `update` puts newer definitions in front of those of the dialect `upstream`, the default
+of everything but `mavutil`; `update --revert` goes back.
+
+The definitions that come with mavwire carry facts, and a line on what common messages are for. The descriptions of
+upstream XML appear in docstrings, `enums`, MCAP files, the page of the bridge and here once they are stored: `sync`
+copies them to the user's data folder from a folder or from an installed pymavlink, and `clear` removes them.
 
 examples:
   mavwire definitions show ATTITUDE
   mavwire definitions show 30
-  mavwire definitions show MAV_STATE
   mavwire definitions show NAV_TAKEOFF
+  mavwire definitions diff common ardupilotmega
+  mavwire definitions diff upstream path/to/mavlink
+  mavwire definitions update https://github.com/mavlink/mavlink/archive/refs/heads/master.zip
+  mavwire definitions sync path/to/mavlink
 """
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import tempfile
+import tomllib
 from argparse import ArgumentParser, Namespace
+from datetime import date
 from pathlib import Path
 
-from mavwire.cli._errors import CommandError
-from mavwire.dialects import UPSTREAM, _sources
-from mavwire.dialects._descriptions import stored_folder
+from mavwire._atomic_file import replacing
+from mavwire._native import DefinitionError, Dialect, definition_sources, describe
+from mavwire.cli._errors import CommandError, refused
+from mavwire.dialects import UPSTREAM, _installed, _sources
+from mavwire.dialects._descriptions import installed_folder, stored_folder
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """`show NAME`, `sync DIR`, `status` or `clear`."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    """An action, or none for `status`."""
+    parser.set_defaults(action="status")
+    actions = parser.add_subparsers(dest="action", metavar="ACTION")
     show = actions.add_parser("show", help="fields of a message, values of an enum, a command")
     show.add_argument(
         "name", help="its name in any letter case, a command without MAV_CMD_, or a message id"
@@ -35,16 +47,38 @@ def add_arguments(parser: ArgumentParser) -> None:
     show.add_argument(
         "--dialect", default=UPSTREAM, help="whose definitions (default: %(default)s)"
     )
-    sync = actions.add_parser("sync", help="store the *.xml files of a folder")
-    sync.add_argument("folder", type=Path, help="folder with *.xml, or one above v1.0/")
-    actions.add_parser("status", help="show what is stored")
-    actions.add_parser("clear", help="remove what is stored")
+    diff = actions.add_parser("diff", help="what was added, removed and changed between two sets")
+    for name in ("old", "new"):
+        diff.add_argument(name, help="a built-in dialect, an XML file or a folder of them")
+    diff.add_argument("--json", action="store_true", help="print JSON")
+    update = actions.add_parser("update", help="install newer definitions")
+    update.add_argument(
+        "sources",
+        nargs="*",
+        metavar="DIR-or-URL",
+        help="a checkout, a folder or archive of XML files, or an https address of an archive or XML file; "
+        "of several the first one counts",
+    )
+    update.add_argument("--revert", action="store_true", help="go back to the definitions before")
+    sync = actions.add_parser("sync", help="store the descriptions of the *.xml files of a folder")
+    sync.add_argument(
+        "folder",
+        type=Path,
+        nargs="?",
+        help="a checkout or folder of XML files (default: that of an installed pymavlink)",
+    )
+    actions.add_parser("status", help="say which definitions and descriptions are in use")
+    actions.add_parser("clear", help="remove the stored descriptions")
 
 
 def main(args: Namespace) -> int:
     """0; CommandError says what is wrong with the name, the folder or a file."""
     if args.action == "show":
         print(show(args.name, args.dialect))
+    elif args.action == "diff":
+        print(diff(args.old, args.new, args.json))
+    elif args.action == "update":
+        print(revert() if args.revert else update(args.sources))
     elif args.action == "sync":
         count = sync(args.folder)
         print(f"{count} definition files stored in {stored_folder()}")
@@ -73,9 +107,67 @@ def show(name: str, dialect: str) -> str:
         return describe(mavutil.mavlink, name)
 
 
-def sync(folder: Path) -> int:
+def diff(old: str, new: str, as_json: bool) -> str:
+    """The differences of two sets of definitions."""
+    from mavwire.cli.dev._definition_facts import as_text, changes, of_set
+
+    with refused(OSError, DefinitionError):
+        difference = changes(of_set(old), of_set(new))
+    if as_json:
+        return json.dumps(difference, indent=2)
+    return as_text(difference) or "no difference"
+
+
+def update(sources: list[str]) -> str:
+    """Install newer definitions, if they make a dialect; a line about them."""
+    from mavwire.cli.dev._definition_fetch import fetch
+
+    if not sources:
+        raise CommandError("name a folder, an archive or an https address, or say --revert")
+    try:
+        sets, days = zip(*map(fetch, sources), strict=True)
+        counts = [
+            len(Dialect.upstream_with(list(sets), wire).messages()) for wire in ("1.0", "2.0")
+        ]
+    except DefinitionError as error:
+        raise CommandError(f"nothing installed: {error}") from None
+    newest = max(filter(None, days), default=None)
+    facts = {
+        "sources": [one if "://" in one else os.path.abspath(one) for one in sources],
+        "newest": newest and newest.isoformat(),
+        "installed": date.today().isoformat(),
+    }
+    archive = Path(_installed.archive())
+    archive.parent.mkdir(parents=True, exist_ok=True)
+    if archive.is_file():
+        with replacing(_installed.previous()) as file:
+            file.write(archive.read_bytes())
+    with replacing(archive) as file:
+        file.write(_installed.packed(sets, facts))
+    return f"installed in {archive}: {UPSTREAM} has {counts[-1]} messages now"
+
+
+def revert() -> str:
+    """Go back to the definitions before the last update."""
+    archive, previous = Path(_installed.archive()), Path(_installed.previous())
+    if previous.is_file():
+        os.replace(previous, archive)
+    elif os.path.lexists(archive):
+        archive.unlink()
+    else:
+        raise CommandError("no definitions are installed")
+    return _in_use()
+
+
+def sync(folder: Path | None) -> int:
     """Checks every definition file of `folder` and stores them all, or none if one is wrong."""
-    files = _definition_files(folder)
+    from mavwire.cli.dev._definition_facts import definition_files
+
+    folder = folder or installed_folder()
+    if folder is None:
+        raise CommandError("pymavlink is not installed: name a folder of XML files")
+    with refused(OSError):
+        files = definition_files(folder)
     for file in files:
         _check(file)
     target = stored_folder()
@@ -93,31 +185,38 @@ def sync(folder: Path) -> int:
     return len(files)
 
 
-def _definition_files(folder: Path) -> list[Path]:
-    if (folder / "v1.0").is_dir():
-        folder /= "v1.0"
-    if not folder.is_dir():
-        raise CommandError(f"{folder} is not a folder; name the one that holds the *.xml files")
-    files = sorted(folder.glob("*.xml"))
-    if not files:
-        raise CommandError(f"{folder} holds no *.xml files")
-    return files
-
-
 def _check(file: Path) -> None:
     """Refuses a file that is no MAVLink definition, before anything is stored."""
-    from mavwire._native import DefinitionError, describe
-
     try:
-        main_name, sources = _sources.collect(file, None)
-        describe(main_name, sources)
-    except (DefinitionError, ValueError, OSError) as error:
+        describe(*_sources.collect(file, None))
+    except (ValueError, OSError) as error:
         raise CommandError(f"nothing stored: {error}") from None
 
 
 def _status() -> str:
+    pins = tomllib.loads(definition_sources())
+    rows = [
+        f"{name} {row['revision'][:12]} ({row['date']})"
+        for name, row in pins.items()
+        if "date" in row
+    ]
     files = sorted(stored_folder().glob("*.xml"))
-    if not files:
-        return f"nothing stored in {stored_folder()}; see `mavwire definitions sync --help`"
     names = ", ".join(file.stem for file in files)
-    return f"{len(files)} definition files in {stored_folder()}: {names}"
+    stored = f"{len(files)} definition files in {stored_folder()}: {names}"
+    missing = f"nothing stored in {stored_folder()}; see `mavwire definitions sync --help`"
+    return "\n".join(
+        [f"built in: {', '.join(rows)}", _in_use(), f"descriptions: {stored if files else missing}"]
+    )
+
+
+def _in_use() -> str:
+    """Which definitions the dialect `upstream` has."""
+    archive = _installed.archive()
+    if _installed.dialect("2.0") is None:
+        return f"{UPSTREAM}: built in"
+    facts = _installed.read(archive)[1]
+    newest = f", files up to {facts['newest']}" if facts.get("newest") else ""
+    sources = " ".join(facts["sources"])
+    return (
+        f"{UPSTREAM}: built in and {sources}{newest}, installed {facts['installed']} in {archive}"
+    )

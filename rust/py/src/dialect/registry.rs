@@ -204,7 +204,8 @@ impl Dialect {
         };
         let sets: Result<Vec<Vec<_>>, _> =
             sets.iter().map(|set| set.iter().map(parse).collect()).collect();
-        Ok(Self::from_schema(builtin::upstream_with(sets?, wire_version(wire_protocol)?)?))
+        let dialect = builtin::upstream_with(sets?, wire_version(wire_protocol)?)?;
+        Ok(Self::new(Registry::new(dialect)))
     }
 
     /// Names of the built-in dialects.
