@@ -202,6 +202,15 @@ reproducible: $(VENV)/.requirements-build ## Build the committed sources twice, 
 stubs: build ## Write the type stubs of the dialect modules
 	$(BIN)/python tools/generate_stubs.py
 
+.PHONY: definitions-check
+definitions-check: build ## Compare newer checkouts of the upstreams with the pinned definitions (DIRS="mavlink ardupilot")
+	@$(BIN)/python tools/definitions_check.py $(CHECK_FLAGS) $(DIRS)
+
+.PHONY: definitions-import
+definitions-import: build ## Import the definitions of these checkouts of the upstreams (DIRS="mavlink ardupilot")
+	$(BIN)/python tools/union_definitions.py $(DIRS)
+	@$(MAKE) --no-print-directory stubs
+
 .PHONY: coverage-table
 coverage-table: build $(VENV)/.requirements-test ## Write docs/coverage.md: every public name of pymavlink
 	$(BIN)/python tools/coverage_table.py
