@@ -1,19 +1,26 @@
 """Reference pages of messages and enums, as Markdown, out of the facts in message_definitions.
 
 A dialect has a page of the messages that it defines itself and one of its enums; what it includes
-has pages of its own. Nothing of mavwire is imported, so that no build is needed.
+has pages of its own. The page of `upstream` has the messages and enums that no other dialect has. Each message and enum
+links to mavlink.io. Descriptions are there if `mavwire definitions sync` stored them.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from mavwire.dialects._descriptions import Texts, stored_folder
 
 ROOT = Path(__file__).resolve().parent.parent
 DEFINITIONS = ROOT / "message_definitions" / "v1.0"
+UPSTREAM = ROOT / "message_definitions" / "upstream" / "upstream.xml"
+MAVLINK_IO = "https://mavlink.io/en/messages"
 SUMMARIES = ROOT / "python" / "mavwire" / "_data" / "summaries.toml"
 MODULES = ROOT / "python" / "mavwire" / "dialects" / "v20"
 
@@ -36,11 +43,27 @@ class Definition:
         self.includes = [Path(one.text or "").stem for one in root.iter("include")]
         self.messages = sorted(root.iter("message"), key=lambda one: int(one.get("id", "0")))
         self.enums = sorted(root.iter("enum"), key=lambda one: one.get("name", ""))
+        self.texts: Any = Texts(self.name) if stored_folder().is_dir() else None
+
+    def leave_out(self, others: Sequence[Definition]) -> None:
+        """Keep the messages and enums that no other dialect has."""
+        known = {one.get("name") for other in others for one in (*other.messages, *other.enums)}
+        self.messages = [one for one in self.messages if one.get("name") not in known]
+        self.enums = [one for one in self.enums if one.get("name") not in known]
+
+    def link(self, name: str) -> str:
+        """The message or enum in the reference of mavlink.io, which has the union under `all`."""
+        page = "all" if self.name == UPSTREAM.stem else self.name
+        return f"[mavlink.io]({MAVLINK_IO}/{page}.html#{name})"
 
 
 def pages() -> dict[str, str]:
     """Page -> its Markdown: `index.md`, and for each dialect `<name>.md` and `<name>-enums.md`."""
     definitions = {path.stem: Definition(path) for path in sorted(DEFINITIONS.glob("*.xml"))}
+    union = Definition(UPSTREAM)
+    union.leave_out([*definitions.values()])
+    union.includes = [*definitions]
+    definitions[union.name] = union
     summaries = Summaries(**tomllib.loads(SUMMARIES.read_text()))
     found = {"index.md": index_page(definitions)}
     for one in definitions.values():
@@ -58,7 +81,9 @@ def index_page(definitions: dict[str, Definition]) -> str:
             f"`{one.name}`",
             linked(len(one.messages), f"{one.name}.md"),
             linked(len(one.enums), f"{one.name}-enums.md"),
-            ", ".join(f"`{name}`" for name in one.includes),
+            ", ".join(f"`{name}`" for name in one.includes)
+            if one.name != UPSTREAM.stem
+            else "all of these",
             "yes" if (MODULES / f"{one.name}.py").is_file() else "no",
         )
         for one in definitions.values()
@@ -86,10 +111,31 @@ def message_page(
     for message in definition.messages:
         name = message.get("name", "")
         number = f"Id {message.get('id')}. {note(message)}".rstrip()
-        lines += [f"## {name}\n", f"{summaries.messages.get(name, '')}\n", f"{number}\n"]
-        rows = [field_row(field, extension, homes) for field, extension in fields(message)]
-        lines += [*table(("field", "type", "unit", "values", ""), rows), ""]
+        text, texts = summaries.messages.get(name, ""), dict[str, str]()
+        if definition.texts is not None:
+            text, texts = definition.texts.message(name)
+        number += f" {definition.link(name)}"
+        lines += [f"## {name}\n", f"{flat(text)}\n", f"{number}\n"]
+        rows = [
+            (
+                *field_row(field, extension, homes),
+                *described(definition, texts.get(field.get("name", ""))),
+            )
+            for field, extension in fields(message)
+        ]
+        head = ("field", "type", "unit", "values", "", *described(definition, "description"))
+        lines += [*table(head, rows), ""]
     return "\n".join(lines)
+
+
+def described(definition: Definition, text: str | None) -> tuple[str, ...]:
+    """The cell of a description, where the dialect has descriptions."""
+    return () if definition.texts is None else (flat(text or ""),)
+
+
+def flat(text: str) -> str:
+    """A text in one line of Markdown, without markup of its own."""
+    return re.sub(r"([\\`*_\[\]<>])", r"\\\1", " ".join(text.split()))
 
 
 def fields(message: ET.Element) -> Iterator[tuple[ET.Element, bool]]:
@@ -140,16 +186,23 @@ def enum_page(definition: Definition, summaries: Summaries) -> str:
     for enum in definition.enums:
         name = enum.get("name", "")
         bits = "Values are bits. " if enum.get("bitmask") == "true" else ""
-        lines += [f"## {name}\n", f"{summaries.enums.get(name, '')}\n", f"{bits}{note(enum)}\n"]
+        lines += [f"## {name}\n", f"{summaries.enums.get(name, '')}\n"]
+        lines += [f"{bits}{note(enum)}{definition.link(name)}\n"]
+        rows = []
+        for entry in enum.iter("entry"):
+            text = definition.texts and definition.texts.entry(name, entry.get("name"))
+            row = command_row(entry, summaries) if name == "MAV_CMD" else plain_row(entry)
+            rows.append((*row, *described(definition, text)))
+        head: tuple[str, ...] = ("value", "name")
         if name == "MAV_CMD":
-            rows = [command_row(entry, summaries) for entry in enum.iter("entry")]
-            lines += [*table(("value", "name", "what it does", "parameters"), rows), ""]
-        else:
-            plain = [
-                (entry.get("value", ""), f"`{entry.get('name')}`") for entry in enum.iter("entry")
-            ]
-            lines += [*table(("value", "name"), plain), ""]
+            head = ("value", "name", "what it does", "parameters")
+        lines += [*table((*head, *described(definition, "description")), rows), ""]
     return "\n".join(lines)
+
+
+def plain_row(entry: ET.Element) -> tuple[str, ...]:
+    """An entry: value and name."""
+    return entry.get("value", ""), f"`{entry.get('name')}`"
 
 
 def command_row(entry: ET.Element, summaries: Summaries) -> tuple[str, ...]:

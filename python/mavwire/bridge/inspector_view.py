@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from functools import cache
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -20,6 +21,14 @@ MAX_OPEN = 64
 NO_VALUE = "no value"
 # Numbers that JavaScript holds exactly.
 MAX_SAFE = 2**53
+
+
+@cache
+def _descriptions(native: Any) -> dict[str, tuple[str, dict[str, str]]]:
+    """The descriptions of a dialect, which take a while to read."""
+    from mavwire.dialects._descriptions import of_messages
+
+    return of_messages(native)
 
 
 class View:
@@ -83,12 +92,15 @@ class View:
         return json.dumps({"time": time.time(), "values": found})
 
     def _describe(self, msgid: int) -> dict[str, Any]:
-        """Name and fields of a message: name, type and unit of each."""
+        """Name, description and fields of a message: name, type, unit and description of each."""
         kind = self._bridge.dialect.mavlink_map[msgid]
+        text, texts = _descriptions(self._bridge._native_dialect())[kind.msgname]
         units = kind.fieldunits_by_name
         types = zip(kind.fieldnames, kind.fieldtypes, strict=True)
-        fields = [[name, type_name, units.get(name, "")] for name, type_name in types]
-        return {"name": kind.msgname, "fields": fields}
+        fields = [
+            [name, type_name, units.get(name, ""), texts.get(name, "")] for name, type_name in types
+        ]
+        return {"name": kind.msgname, "description": text, "fields": fields}
 
     def _fields(self, message: Any) -> list[list[Any]]:
         """Value and meaning of each field. A status text is whole, even if several messages carry it."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
+from mavwire.dialects._descriptions import of_messages
 
 from .checks import check_tables
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
@@ -49,7 +50,7 @@ BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 2
 """Increase it when the same options give other files, so that old files are made anew."""
-INTERNAL = ("unknown", "batch_rows", "batch_bytes", "foreign")
+INTERNAL = ("unknown", "descriptions", "batch_rows", "batch_bytes", "foreign")
 """Attributes of a selection that make no difference to files."""
 
 
@@ -154,6 +155,7 @@ def prepare(
     how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(selection)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
     how["definitions"] = _fingerprint(native, selection)
+    selection.descriptions = of_messages(native) if format in ONE_FILE else None
     return compression, native, selection, how
 
 

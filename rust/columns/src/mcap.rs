@@ -29,6 +29,7 @@ use crate::pool;
 use crate::reader::Batch;
 
 use channels::Channels;
+pub use channels::Descriptions;
 use foxglove::Extra;
 
 /// Messages whose JSON is in memory at a time, twice.
@@ -93,6 +94,13 @@ impl<W: Write> McapSink<W> {
             .disable_seeking(true);
         let writer = options.create(NoSeek::new(out))?;
         Ok(Self { writer, channels: Channels::default(), rows: 0 })
+    }
+
+    /// The same with descriptions in the schemas of messages.
+    #[must_use]
+    pub fn described(mut self, descriptions: Descriptions) -> Self {
+        self.channels.descriptions = descriptions;
+        self
     }
 
     /// Rows so far, those of additional channels not counted.

@@ -130,7 +130,7 @@ def test_each_type_is_described_once(bridge: Bridge) -> None:
     first, second = json.loads(view.tables()), json.loads(view.tables())
     assert set(first["types"]) == {"0", "30"} and second["types"] == {}
     assert first["types"]["30"]["name"] == "ATTITUDE"
-    assert first["types"]["30"]["fields"][1] == ["roll", "float", "rad"]
+    assert first["types"]["30"]["fields"][1][:3] == ["roll", "float", "rad"]
 
 
 def test_kinds_of_messages_are_counted(bridge: Bridge) -> None:

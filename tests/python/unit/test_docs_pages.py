@@ -102,3 +102,32 @@ def test_links_to_enums_lead_to_them() -> None:
             assert re.search(rf"^## {anchor}$", pages[posixpath.basename(target)], re.M | re.I), (
                 page
             )
+
+
+def test_messages_and_enums_link_to_the_reference_of_mavlink() -> None:
+    pages = message_pages.pages()
+    site = "[mavlink.io](https://mavlink.io/en/messages"
+    assert f"Id 0. {site}/minimal.html#HEARTBEAT)" in pages["minimal.md"]
+    assert f"{site}/common.html#MAV_CMD)" in pages["common-enums.md"]
+    assert f"{site}/all.html#EVENT)" in pages["upstream.md"]
+    for text in pages.values():
+        for section in re.split("^## ", text, flags=re.MULTILINE)[1:]:
+            assert f".html#{section.split()[0]})" in section
+
+
+def test_stored_descriptions_are_on_the_pages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    folder = tmp_path / "mavwire" / "definitions"
+    folder.mkdir(parents=True)
+    (folder / "minimal.xml").write_text(
+        """<mavlink><enums><enum name="MAV_STATE"><entry value="1" name="MAV_STATE_BOOT">
+        <description>It | starts.</description></entry></enum></enums>
+        <messages><message id="0" name="HEARTBEAT"><description>I am *here*.</description>
+        <field type="uint8_t" name="type">Kind of vehicle.</field></message></messages></mavlink>"""
+    )
+    pages = message_pages.pages()
+    assert "\nI am \\*here\\*.\n" in pages["minimal.md"]
+    assert re.search(r"\| `type` .* \| Kind of vehicle\. \|", pages["minimal.md"])
+    assert re.search(r"`MAV_STATE_BOOT` \| It \\\| starts\. \|", pages["minimal-enums.md"])

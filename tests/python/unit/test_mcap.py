@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
+from mavwire.dialects import _descriptions
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.conversion import convert
 from unit.column_tools import log_of_every_type
@@ -149,6 +150,29 @@ def test_a_log_of_many_blocks_is_sorted_within_them(flight, tmp_path):
     assert times == sorted(times)
 
 
+@pytest.fixture
+def no_descriptions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of stored definitions, which is not there; no others are either."""
+    monkeypatch.setattr(_descriptions, "installed_folder", lambda: None)
+    monkeypatch.delenv("MDEF", raising=False)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    return tmp_path / "mavwire" / "definitions"
+
+
+def test_schemas_have_stored_descriptions(flight, tmp_path, no_descriptions):
+    no_descriptions.mkdir(parents=True)
+    text = '<message id="30" name="ATTITUDE"><description>{}</description>{}</message>'
+    field = '<field type="float" name="roll">How far it leans.</field>'
+    message = text.format("Where it points.", field)
+    (no_descriptions / "a.xml").write_text(f"<mavlink><messages>{message}</messages></mavlink>")
+    found = summary(converted(flight, tmp_path / "out", types="ATTITUDE"))
+    (schema,) = (json.loads(schema.data) for schema in found.schemas.values())
+    assert schema["description"] == "Where it points."
+    assert schema["properties"]["roll"]["description"] == "How far it leans. (rad)"
+    assert schema["properties"]["pitch"]["description"] == "rad"
+
+
+@pytest.mark.usefixtures("no_descriptions")
 def test_schemas_name_types_units_and_enums(flight, tmp_path):
     found = summary(converted(flight, tmp_path))
     schemas = {schema.name: json.loads(schema.data) for schema in found.schemas.values()}

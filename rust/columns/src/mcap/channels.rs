@@ -19,9 +19,14 @@ const MOST_CHANNELS: usize = 65_535;
 /// System and component; `None` in a dataflash log, which is of one vehicle.
 type Sender = Option<(u8, u8)>;
 
+/// The descriptions of messages by name: that of the message, and those of its fields.
+pub type Descriptions = HashMap<String, (String, HashMap<String, String>)>;
+
 /// The channels of a file.
 #[derive(Default)]
 pub(super) struct Channels {
+    /// Descriptions for the schemas.
+    pub(super) descriptions: Descriptions,
     /// By table, whether it is the additional channel, and sender.
     known: HashMap<(u16, bool, Sender), u16>,
 }
@@ -34,8 +39,9 @@ impl Channels {
         batch: &Batch,
     ) -> Result<Vec<u16>, Error> {
         each_row(batch, |sender| {
-            self.get((batch.index, false, sender), || {
-                let text = schema(&batch.message, &batch.rows.schema()).to_string();
+            self.get((batch.index, false, sender), |descriptions| {
+                let texts = descriptions.get(&*batch.message);
+                let text = schema(&batch.message, &batch.rows.schema(), texts).to_string();
                 let id = writer.add_schema(&batch.message, "jsonschema", text.as_bytes())?;
                 add(writer, id, &topic(&batch.message, sender), batch, sender)
             })
@@ -50,7 +56,7 @@ impl Channels {
         extra: &Extra,
     ) -> Result<Vec<u16>, Error> {
         each_row(batch, |sender| {
-            self.get((batch.index, true, sender), || {
+            self.get((batch.index, true, sender), |_| {
                 let text = extra.schema().to_string();
                 let id = writer.add_schema(extra.name(), "jsonschema", text.as_bytes())?;
                 let topic = format!("{}/{}", topic(&batch.message, sender), extra.topic());
@@ -62,7 +68,7 @@ impl Channels {
     fn get(
         &mut self,
         key: (u16, bool, Sender),
-        add: impl FnOnce() -> Result<u16, Error>,
+        add: impl FnOnce(&Descriptions) -> Result<u16, Error>,
     ) -> Result<u16, Error> {
         if let Some(&id) = self.known.get(&key) {
             return Ok(id);
@@ -70,7 +76,7 @@ impl Channels {
         if self.known.len() == MOST_CHANNELS {
             return Err(Error::TooManyChannels(MOST_CHANNELS));
         }
-        let id = add()?;
+        let id = add(&self.descriptions)?;
         self.known.insert(key, id);
         Ok(id)
     }
@@ -119,22 +125,36 @@ fn topic(message: &str, sender: Sender) -> String {
     }
 }
 
-/// The JSON Schema of a message: the types of its fields, and as descriptions their units and enums.
-fn schema(message: &str, schema: &Schema) -> Value {
+/// The JSON Schema of a message: the types of its fields, and as descriptions their texts, units and enums.
+fn schema(
+    message: &str,
+    schema: &Schema,
+    texts: Option<&(String, HashMap<String, String>)>,
+) -> Value {
     let fields = schema.fields().iter().filter(|field| !HEADER.contains(&field.name().as_str()));
-    let properties: Map<_, _> =
-        fields.map(|field| (field.name().clone(), property(field))).collect();
-    json!({"title": message, "type": "object", "properties": properties})
+    let text = |field: &Field| texts.and_then(|(_, fields)| fields.get(field.name())).cloned();
+    let properties: Map<_, _> = fields
+        .map(|field| (field.name().clone(), property(field, text(field).unwrap_or_default())))
+        .collect();
+    let mut schema = json!({"title": message, "type": "object", "properties": properties});
+    if let Some((text, _)) = texts.filter(|(text, _)| !text.is_empty()) {
+        schema["description"] = text.as_str().into();
+    }
+    schema
 }
 
-fn property(field: &Field) -> Value {
+fn property(field: &Field, text: String) -> Value {
     let mut property = match field.data_type() {
         DataType::FixedSizeList(item, _) => {
             json!({"type": "array", "items": {"type": type_of(item.data_type())}})
         }
         scalar => json!({"type": type_of(scalar)}),
     };
-    let said = description(field);
+    let said = match (text.is_empty(), description(field)) {
+        (true, facts) => facts,
+        (false, facts) if facts.is_empty() => text,
+        (false, facts) => format!("{text} ({facts})"),
+    };
     if !said.is_empty() {
         property["description"] = said.into();
     }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mavwire_columns::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::{Invalid, Layout, Options};
+use mavwire_columns::mcap::Descriptions;
 use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
@@ -52,6 +53,8 @@ pub(crate) struct Query {
     invalid: Invalid,
     /// Cells of CSV files are no formulas.
     pub(crate) csv_safe: bool,
+    /// Texts for the schemas of MCAP files.
+    pub(crate) descriptions: Option<Descriptions>,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.

@@ -62,7 +62,8 @@ fn output(
     let how = compression_of(compression)?;
     if format == "mcap" {
         check(mcap::takes(how), format, compression)?;
-        return Ok(Output::mcap(folder.join(file), how));
+        let descriptions = query.descriptions.clone().unwrap_or_default();
+        return Ok(Output::mcap(folder.join(file), how, descriptions));
     }
     let kind = format_of(format, query.csv_safe)?;
     check(kind.takes(how), format, compression)?;

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use mavwire_columns::Error;
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
-use mavwire_columns::mcap::McapSink;
+use mavwire_columns::mcap::{Descriptions, McapSink};
 use mavwire_columns::reader::Batch;
 use mavwire_io::files::{Draft, commit_all};
 use pyo3::prelude::*;
@@ -21,7 +21,12 @@ pub(crate) enum Output {
     /// A file for each table.
     Tables(Tables),
     /// A file for all, begun by the first message.
-    Mcap { path: PathBuf, compression: Compression, sink: Option<Box<McapSink<Draft>>> },
+    Mcap {
+        path: PathBuf,
+        compression: Compression,
+        descriptions: Descriptions,
+        sink: Option<Box<McapSink<Draft>>>,
+    },
 }
 
 /// `folder/MESSAGE/file` for each message.
@@ -48,8 +53,12 @@ impl Output {
         Self::Tables(Tables { folder, file, format, compression, limit, sinks: BTreeMap::new() })
     }
 
-    pub(crate) fn mcap(path: PathBuf, compression: Compression) -> Self {
-        Self::Mcap { path, compression, sink: None }
+    pub(crate) fn mcap(
+        path: PathBuf,
+        compression: Compression,
+        descriptions: Descriptions,
+    ) -> Self {
+        Self::Mcap { path, compression, descriptions, sink: None }
     }
 
     /// Writes the batches of a stretch of the log.
@@ -57,12 +66,13 @@ impl Output {
         match self {
             Self::Tables(tables) => tables.write(batches),
             Self::Mcap { .. } if batches.is_empty() => Ok(()),
-            Self::Mcap { path, compression, sink } => {
+            Self::Mcap { path, compression, descriptions, sink } => {
                 let sink = match sink {
                     Some(open) => open,
                     None => {
                         let draft = Draft::create(path)?;
-                        sink.insert(Box::new(McapSink::new(draft, *compression)?))
+                        let new = McapSink::new(draft, *compression)?;
+                        sink.insert(Box::new(new.described(std::mem::take(descriptions))))
                     }
                 };
                 sink.write(batches)
