@@ -6,7 +6,6 @@ use pyo3::types::PyDict;
 use crate::link::message_source::sender_of;
 use crate::link::state::Link;
 use crate::message::object::Message;
-use crate::message::values::field_value;
 use crate::python::calling::Calling;
 
 /// Takes a `PARAM_VALUE` into `link.param_state`.
@@ -24,24 +23,12 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
         }
     };
     let params = state.getattr(intern!(py, "params"))?.cast_into::<PyDict>()?;
-    let name = field(message, "param_id")?.str()?;
+    let name = message.getattr(intern!(py, "param_id"))?.str()?;
     if !params.contains(&name)? {
         let is_target = link.getattr(intern!(py, "params"))?.is(&params);
         if !link.get().state().room.take_param(params.len(), is_target) {
             return Ok(());
         }
     }
-    params.set_item(name, field(message, "param_value")?)
-}
-
-/// A field, as its attribute shows it.
-fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    let this = message.get();
-    if let Some(info) = this.info.filter(|_| this.is_pristine())
-        && let Some((_, field)) = info.field(name)
-    {
-        let payload = this.decoded_payload();
-        return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
-    }
-    message.getattr(name)
+    params.set_item(name, message.getattr(intern!(py, "param_value"))?)
 }

@@ -68,12 +68,12 @@ pub(crate) fn recv_match<'py>(
     types: Option<&Bound<'py, PyAny>>,
     request: &Request<'_, 'py>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let indexed = match types {
-        Some(types) => {
-            link.cast::<LogLink>().ok().filter(|log| LogLink::is_indexed(log)).zip(Some(types))
-        }
-        None => None,
-    };
+    let wants_any = types.is_none() && request.condition.is_none() && !request.is_blocking;
+    if wants_any && link.get().is_quick() {
+        return recv_msg(link);
+    }
+    let log = types.and_then(|_| link.cast::<LogLink>().ok());
+    let indexed = log.filter(|log| LogLink::is_indexed(log)).zip(types);
     let filter = Filter::new(types, indexed.is_some())?;
     let deadline = deadline_after(request.timeout);
     if request.is_blocking && live_receive::has_nothing_left(link) {
