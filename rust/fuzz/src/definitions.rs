@@ -1,9 +1,11 @@
 //! XML definitions: refused with a place, or laid out so that every message fits a frame.
 
+use std::collections::HashSet;
+
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    Layout, ParseOptions, Reason, Rules, SchemaError, WireVersion, check_schema, decode_blob,
-    encode_blob, parse_definitions, resolve, standalone,
+    Definitions, Layout, ParseOptions, Reason, Rules, SchemaError, Union, WireVersion,
+    check_schema, decode_blob, encode_blob, parse_definitions, resolve, standalone,
 };
 
 /// Any text as a definition file.
@@ -16,6 +18,7 @@ pub fn xml(data: &[u8]) {
     };
     let again = decode_blob(&encode_blob(std::slice::from_ref(&definitions)));
     assert_eq!(again.expect("what was encoded"), std::slice::from_ref(&definitions));
+    united(&definitions);
     for version in [WireVersion::V1, WireVersion::V2] {
         let mut lookup = |path: &str| match path {
             "my.xml" => Ok(definitions.clone()),
@@ -39,6 +42,21 @@ pub fn xml(data: &[u8]) {
         let registry = Registry::new(dialect);
         let found = registry.dialect().messages.iter().filter(|m| registry.lookup(m.id).is_some());
         assert_eq!(found.count(), count);
+    }
+}
+
+/// A file beside itself and the built-in definitions: ids stay unique, and the union is a dialect or refused.
+fn united(definitions: &Definitions) {
+    let mut union = Union::default();
+    union.add(vec![definitions.clone(), definitions.clone()]);
+    union.add(vec![mavwire_core::builtin::definitions("minimal").expect("it is built in")]);
+    let (own, others) = union.finish("union");
+    let ids: HashSet<_> = own.messages.iter().map(|message| message.id).collect();
+    assert_eq!(ids.len(), own.messages.len());
+    let dialect = resolve("union", &mut |_| Ok(own.clone()), WireVersion::V2);
+    match dialect.and_then(|mut dialect| dialect.add_others(others).map(|()| dialect)) {
+        Ok(dialect) => drop(Registry::new(dialect)),
+        Err(error) => check(&error),
     }
 }
 
