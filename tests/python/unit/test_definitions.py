@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import errno
 import os
 from pathlib import Path
@@ -166,3 +167,27 @@ def test_stored_definitions_that_cannot_be_read_are_passed_over(
     (folder / "sample.xml").write_text(XML.format(id=150))
     monkeypatch.setattr(_sources, "MAX_BYTES", 10)
     assert Texts("sample").message("SAMPLE") == ("", {})
+
+
+def test_stubs_have_stored_descriptions(
+    data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = XML.format(id=30).replace("SAMPLE", "ATTITUDE").replace("level", "roll")
+    cli.main(
+        ["definitions", "sync", str(_folder(tmp_path, "common", text.replace("full", '"full"')))]
+    )
+    assert cli.main(["definitions", "stubs", str(tmp_path)]) == 0
+    package = tmp_path / "mavwire-stubs"
+    assert f"described messages in {package}" in capsys.readouterr().out
+    assert (package / "py.typed").read_text() == "partial\n"
+    stub = package / "dialects" / "v20" / "_own" / "common.pyi"
+    (found,) = (
+        node
+        for node in ast.parse(stub.read_text()).body
+        if isinstance(node, ast.ClassDef) and node.name == "MAVLink_attitude_message"
+    )
+    assert ast.get_docstring(found) == "What a sample is."
+    assert '    roll: float  # rad\n    """How \\"full\\" it is."""\n' in stub.read_text()
+    source = Path(dialects.__file__).parent
+    names = {path.relative_to(source) for path in source.glob("v?0/**/*.pyi")}
+    assert names == {path.relative_to(package / "dialects") for path in package.rglob("*.pyi")}

@@ -6,7 +6,8 @@ of everything but `mavutil`; `update --revert` goes back.
 
 The definitions that come with mavwire carry facts, and a line on what common messages are for. The descriptions of
 upstream XML appear in docstrings, `enums`, MCAP files, the page of the bridge and here once they are stored: `sync`
-copies them to the user's data folder from a folder or from an installed pymavlink, and `clear` removes them.
+copies them to the user's data folder from a folder or from an installed pymavlink, and `clear` removes them. `stubs` writes
+type stubs that have them.
 
 examples:
   mavwire definitions show ATTITUDE
@@ -28,6 +29,8 @@ import tomllib
 from argparse import ArgumentParser, Namespace
 from datetime import date
 from pathlib import Path
+from sysconfig import get_path
+from typing import Any
 
 from mavwire._atomic_file import replacing
 from mavwire._native import DefinitionError, Dialect, definition_sources, describe
@@ -51,6 +54,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     for name in ("old", "new"):
         diff.add_argument(name, help="a built-in dialect, an XML file or a folder of them")
     diff.add_argument("--json", action="store_true", help="print JSON")
+    _add_stores(actions)
+    actions.add_parser("status", help="say which definitions and descriptions are in use")
+    actions.add_parser("clear", help="remove the stored descriptions")
+
+
+def _add_stores(actions: Any) -> None:
+    """The actions that write files."""
     update = actions.add_parser("update", help="install newer definitions")
     update.add_argument(
         "sources",
@@ -67,8 +77,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         nargs="?",
         help="a checkout or folder of XML files (default: that of an installed pymavlink)",
     )
-    actions.add_parser("status", help="say which definitions and descriptions are in use")
-    actions.add_parser("clear", help="remove the stored descriptions")
+    stubs = actions.add_parser("stubs", help="write type stubs with descriptions for editors")
+    stubs.add_argument(
+        "folder",
+        type=Path,
+        nargs="?",
+        default=Path(get_path("purelib")),
+        help="where packages are (default: those of this environment)",
+    )
 
 
 def main(args: Namespace) -> int:
@@ -82,6 +98,11 @@ def main(args: Namespace) -> int:
     elif args.action == "sync":
         count = sync(args.folder)
         print(f"{count} definition files stored in {stored_folder()}")
+    elif args.action == "stubs":
+        from mavwire.cli.dev import _described_stubs
+
+        count = _described_stubs.write(args.folder)
+        print(f"{count} described messages in {args.folder / _described_stubs.PACKAGE}")
     elif args.action == "clear":
         _clear(stored_folder())
         print(f"{stored_folder()} removed")
