@@ -9,6 +9,7 @@ use arrow::compute::{cast, max, min, take};
 use arrow::datatypes::{DataType, Field, Schema};
 use arrow::error::ArrowError;
 
+use crate::dates::jump_text;
 use crate::layout::HEADER;
 
 /// Which row of a table belongs to a tick.
@@ -20,6 +21,50 @@ pub enum Method {
     Nearest,
     /// For quantities, the straight line between the rows before and after it; for others the one before.
     Linear,
+}
+
+/// Values of an aligned table at most, some 4 GiB: what a mistaken rate, or a log made for it, may cost.
+const MOST_VALUES: u64 = 1 << 29;
+
+/// What ticks.
+#[derive(Debug, Clone)]
+pub enum Clock {
+    /// The times of a table.
+    Table(RecordBatch),
+    /// Every so many microseconds, from the first time of all tables to the last.
+    Step(i64),
+}
+
+impl Clock {
+    fn ticks(&self, tables: &[(String, RecordBatch)]) -> Result<Vec<i64>, ArrowError> {
+        let step = match self {
+            Self::Table(table) => {
+                let ticks = clock_of(table)?;
+                check_size(ticks.len() as u64, tables)?;
+                return Ok(ticks);
+            }
+            Self::Step(step) => *step,
+        };
+        let Some((first, last)) = span_of(tables)? else { return Ok(Vec::new()) };
+        let count = last.saturating_sub(first) / step;
+        check_size(count.unsigned_abs() + 1, tables)?;
+        Ok((0..=count).map(|n| first + n * step).collect())
+    }
+}
+
+fn check_size(ticks: u64, tables: &[(String, RecordBatch)]) -> Result<(), ArrowError> {
+    let values = values_of(tables) as u64;
+    if ticks.saturating_mul(values) <= MOST_VALUES {
+        return Ok(());
+    }
+    let seconds = |time: i64| time as f64 * 1e-6;
+    let gap = widest_gap(tables)?;
+    let jump = gap.and_then(|(before, after)| jump_text(seconds(before), seconds(after)));
+    let cause = jump.unwrap_or_else(|| "choose a longer rate or fewer types and fields".to_owned());
+    let text = format!(
+        "a clock of {ticks} ticks with {values} values at each is more than {MOST_VALUES} values: {cause}"
+    );
+    Err(ArrowError::InvalidArgumentError(text))
 }
 
 /// The rows of a table in the order of their times, of those of one time the last.
@@ -76,10 +121,7 @@ fn times_of(table: &RecordBatch) -> Result<&TimestampMicrosecondArray, ArrowErro
 }
 
 /// The ticks of a table: its times in order, each once.
-///
-/// # Errors
-/// The table has no timestamps, or its rows have none.
-pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
+fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
     let ordered = Ordered::of(table)?;
     check_times(&ordered, table, "the clock")?;
     Ok(ordered.times)
@@ -95,10 +137,7 @@ fn check_times(ordered: &Ordered, table: &RecordBatch, what: &str) -> Result<(),
 }
 
 /// First and last time of all tables; `None` where there is no row.
-///
-/// # Errors
-/// A table has no timestamps.
-pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
+fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
     let mut span: Option<(i64, i64)> = None;
     for (_, table) in tables {
         let times = times_of(table)?;
@@ -111,10 +150,7 @@ pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, A
 }
 
 /// The two times in a row, of those of all tables, that are furthest apart.
-///
-/// # Errors
-/// A table has no timestamps.
-pub fn widest_gap(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
+fn widest_gap(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
     let mut times = Vec::new();
     for (_, table) in tables {
         times.extend(times_of(table)?.iter().flatten());
@@ -125,7 +161,7 @@ pub fn widest_gap(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>
 }
 
 /// Values in a row of the wide table, those of lists one by one.
-pub fn values_of(tables: &[(String, RecordBatch)]) -> usize {
+fn values_of(tables: &[(String, RecordBatch)]) -> usize {
     let fields = tables.iter().flat_map(|(_, table)| table.schema_ref().fields());
     let values = fields.filter(|field| is_measured(field)).map(|field| match field.data_type() {
         DataType::FixedSizeList(_, length) => usize::try_from(*length).unwrap_or(0),
@@ -152,10 +188,11 @@ fn is_quantity(field: &Field) -> bool {
 /// A table has no timestamps or its rows have none, or what arrow says.
 pub fn align(
     tables: &[(String, RecordBatch)],
-    clock: Vec<i64>,
+    clock: &Clock,
     method: Method,
     tolerance: u64,
 ) -> Result<RecordBatch, ArrowError> {
+    let clock = clock.ticks(tables)?;
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for (name, table) in tables {

@@ -13,6 +13,7 @@ pub mod column;
 pub mod common_schema;
 pub mod convert;
 pub mod dataflash;
+pub mod dates;
 mod decoder;
 pub mod enums;
 pub mod error;
