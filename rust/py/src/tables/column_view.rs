@@ -51,7 +51,7 @@ impl ColumnView {
         let elements = lists.map(FixedSizeListArray::value_length);
         let values = lists.map_or_else(
             || column.clone(),
-            |lists| lists.values().slice(lists.value_offset_at(0) as usize, elements_of(lists)),
+            |lists| lists.values().slice(lists.value_offset_at(0), elements_of(lists)),
         );
         let of_lists =
             lists.and_then(|lists| Some(lists.nulls()?.expand(lists.value_length() as usize)));
