@@ -19,7 +19,7 @@ use pyo3::types::{PyString, PyType};
 use pyo3::{Borrowed, ffi};
 
 use crate::message::create;
-use crate::message::info::{MessageInfo, Place};
+use crate::message::info::MessageInfo;
 use crate::message::meta;
 use crate::message::object::{Message, Origin, flags};
 use crate::message::values;
@@ -28,7 +28,6 @@ use crate::python::calling::{Calling, class_name};
 /// A field of a decoded message, or the raw bytes behind a text field.
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct FieldGetter {
-    place: Place,
     field: Field,
     name: Py<PyString>,
     raw: bool,
@@ -58,7 +57,6 @@ impl FieldGetter {
         let name = if raw { names.raw.as_ref() } else { Some(&names.name) };
         let name = name.ok_or_else(|| PyValueError::new_err(format!("{field:?} is not text")))?;
         Ok(Self {
-            place: info.info.places[index],
             field: definition.clone(),
             name: name.clone_ref(py),
             raw,
@@ -152,7 +150,7 @@ impl FieldGetter {
     /// The value of a plain number of a message off the wire. Does not panic.
     #[inline]
     fn quick_value(&self, py: Python<'_>, message: &Message) -> Option<Py<PyAny>> {
-        let Place { field_type, offset, array_length } = self.place;
+        let Field { field_type, offset, array_length, .. } = self.field;
         let plain = array_length == 0 && field_type != FieldType::Char;
         if !plain || message.origin != Origin::Decoded || message.has(flags::MATERIALISED) {
             return None;
