@@ -16,7 +16,7 @@ use pyo3::exceptions::{PyAttributeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
-use pyo3::{Borrowed, ffi};
+use pyo3::{Borrowed, PyTypeInfo, ffi};
 
 use crate::message::create;
 use crate::message::info::MessageInfo;
@@ -99,17 +99,14 @@ impl FieldGetter {
 /// `FieldGetter` with a quicker `__get__` for messages off the wire; in all other cases it is the one above.
 pub(crate) fn field_getter_type(py: Python<'_>) -> PyResult<Bound<'_, PyType>> {
     let base = py.get_type::<FieldGetter>();
-    // SAFETY: both are types with these slots; the first has an object for ever, as a static type has.
-    unsafe {
-        MESSAGE.store(py.get_type::<Message>().into_ptr().cast(), Relaxed);
-        SLOW_GET.store(ffi::PyType_GetSlot(base.as_type_ptr(), ffi::Py_tp_descr_get), Relaxed);
-    }
+    // SAFETY: a type with that slot.
+    let slow = unsafe { ffi::PyType_GetSlot(base.as_type_ptr(), ffi::Py_tp_descr_get) };
+    SLOW_GET.store(slow, Relaxed);
     let slots = [(ffi::Py_tp_descr_get, quick_get as *mut c_void)];
     create::derived_type(c"mavwire._native.FieldGetter", &base, &slots)
 }
 
-/// The type of messages, and `FieldGetter`'s own `tp_descr_get`.
-static MESSAGE: AtomicPtr<ffi::PyTypeObject> = AtomicPtr::new(null_mut());
+/// `FieldGetter`'s own `tp_descr_get`.
 static SLOW_GET: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
 unsafe extern "C" fn quick_get(
@@ -122,7 +119,7 @@ unsafe extern "C" fn quick_get(
     unsafe {
         let py = Python::assume_attached();
         let getter = Borrowed::from_ptr(py, slf).cast_unchecked::<FieldGetter>();
-        if !obj.is_null() && getter.get().takes(ffi::Py_TYPE(obj)) {
+        if !obj.is_null() && getter.get().takes(py, ffi::Py_TYPE(obj)) {
             let message = Borrowed::from_ptr(py, obj).cast_unchecked::<Message>();
             if let Some(value) = getter.get().quick_value(py, message.get()) {
                 return value.into_ptr();
@@ -141,10 +138,10 @@ impl FieldGetter {
 
     /// Whether instances of a type are messages.
     #[inline]
-    fn takes(&self, class: *mut ffi::PyTypeObject) -> bool {
+    fn takes(&self, py: Python<'_>, class: *mut ffi::PyTypeObject) -> bool {
         let owner = self.owner.get().map_or(null_mut(), |owner| owner.as_ptr().cast());
         // SAFETY: two types that are alive.
-        class == owner || unsafe { ffi::PyType_IsSubtype(class, MESSAGE.load(Relaxed)) != 0 }
+        class == owner || unsafe { ffi::PyType_IsSubtype(class, Message::type_object_raw(py)) != 0 }
     }
 
     /// The value of a plain number of a message off the wire. Does not panic.
