@@ -24,6 +24,7 @@ from mavwire.bridge import web_server
 from mavwire.bridge.inspector import Inspector
 from mavwire.bridge.metrics import MetricsServer, prometheus
 from mavwire.bridge.sinks import CLOSE_TIME, Sink
+from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, wait_until
 from unit.link_tools import heartbeat
 
@@ -168,10 +169,20 @@ def test_counters_over_http() -> None:
             fetch("/metrics")
 
 
+def mavlink_of_no_dialect() -> bytes:
+    """A frame of id 50000 with CRC_EXTRA 77."""
+    body = bytes([1, 0, 0, 0, 1, 1, *(50_000).to_bytes(3, "little"), 5])
+    return b"\xfd" + body + mavlink.x25crc(body + bytes([77])).crc.to_bytes(2, "little")
+
+
 def test_the_text_of_metrics_is_well_formed() -> None:
     with Bridge() as bridge:
         bridge.add(UDP, name='a "quoted"\nname\\')
+        bridge.send(mavlink_of_no_dialect())
+        wait_until("its frame", lambda: bridge.stats()["links"][-1]["received"])
         text = prometheus(bridge.stats())
+    unknown = 'link_unknown_total{link="program",peer="",id="50000",crc_extra="77"} 1'
+    assert f"mavwire_bridge_{unknown}" in text.splitlines()
     assert '{link="a \\"quoted\\"\\nname\\\\",peer=""} 0' in text
     names = [line.split()[2] for line in text.splitlines() if line.startswith("# TYPE")]
     assert len(names) == len(set(names)) > 20
