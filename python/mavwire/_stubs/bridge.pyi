@@ -41,9 +41,9 @@ class BridgeCore:
     def tap(self, messages: list[int] | None, systems: list[int] | None) -> BridgeTap:
         """The frames from now on, of some message ids and systems or of all. BridgeError in a fork."""
 
-    def kinds(self, most: int) -> tuple[list[tuple[int, int, int, int, float, str]], int]:
-        """The newest kinds of messages: id, system, component, how many, time and link of the last one;
-        and how many kinds there are besides.
+    def kinds(self, most: int) -> tuple[list[tuple[int, str, int, int, int, float, str]], int]:
+        """The newest kinds of messages: id, name, system, component, how many, time and link of the
+        last one; and how many kinds there are besides.
         """
 
     def stop(self) -> None:

@@ -275,13 +275,8 @@ class Bridge:
 
     def newest_kinds(self, most: int) -> tuple[list[Kind], int]:
         """Those of which a message came last, and how many there are besides."""
-        known = self.dialect.mavlink_map
         rows, hidden = self._running().kinds(whole("most", most, sys.maxsize))
-        kinds = [
-            Kind(msgid, known[msgid].msgname, system, component, frames, time, link)
-            for msgid, system, component, frames, time, link in rows
-        ]
-        return kinds, hidden
+        return [Kind(*row) for row in rows], hidden
 
     def stats(self) -> dict[str, Any]:
         """Counters of links and components, recording and sinks: what docs/bridge.md lists. BridgeError

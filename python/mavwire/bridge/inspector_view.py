@@ -11,7 +11,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from .bridge import Bridge
+    from .bridge import Bridge, Kind
 
 # Kinds of messages, components and messages with values that one page is told of.
 MAX_KINDS = 4000
@@ -72,9 +72,9 @@ class View:
         stats["hidden"] = hidden
         stats["hidden_components"] += max(0, len(stats["components"]) - MAX_COMPONENTS)
         del stats["components"][MAX_COMPONENTS:]
-        new = {kind.id for kind in kinds} - self._described
-        stats["types"] = {str(msgid): self._describe(msgid) for msgid in new}
-        self._described |= new
+        new = {kind.id: kind for kind in kinds if kind.id not in self._described}
+        stats["types"] = {str(msgid): self._describe(kind) for msgid, kind in new.items()}
+        self._described.update(new)
         if stats["recording"]:
             stats["recording"].pop("path")  # a place on this machine
         return json.dumps(stats)
@@ -91,16 +91,18 @@ class View:
                 found[f"{system}/{component}/{msgid}"] = [message._timestamp, fields]
         return json.dumps({"time": time.time(), "values": found})
 
-    def _describe(self, msgid: int) -> dict[str, Any]:
+    def _describe(self, kind: Kind) -> dict[str, Any]:
         """Name, description and fields of a message: name, type, unit and description of each."""
-        kind = self._bridge.dialect.mavlink_map[msgid]
-        text, texts = _descriptions(self._bridge._native_dialect())[kind.msgname]
-        units = kind.fieldunits_by_name
-        types = zip(kind.fieldnames, kind.fieldtypes, strict=True)
-        fields = [
-            [name, type_name, units.get(name, ""), texts.get(name, "")] for name, type_name in types
-        ]
-        return {"name": kind.msgname, "description": text, "fields": fields}
+        text, texts = _descriptions(self._bridge._native_dialect()).get(kind.name, ("", {}))
+        message = self._bridge.latest(kind.id, kind.system, kind.component)
+        fields = []
+        if message is not None:  # which is forgotten where there are very many kinds
+            units = message.fieldunits_by_name
+            fields = [
+                [name, type_name, units.get(name, ""), texts.get(name, "")]
+                for name, type_name in zip(message.fieldnames, message.fieldtypes, strict=True)
+            ]
+        return {"name": kind.name, "description": text, "fields": fields}
 
     def _fields(self, message: Any) -> list[list[Any]]:
         """Value and meaning of each field. A status text is whole, even if several messages carry it."""

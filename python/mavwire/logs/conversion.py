@@ -50,7 +50,7 @@ BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 2
 """Increase it when the same options give other files, so that old files are made anew."""
-INTERNAL = ("unknown", "descriptions", "batch_rows", "batch_bytes", "foreign")
+INTERNAL = ("unknown", "descriptions", "untimed", "batch_rows", "batch_bytes", "foreign")
 """Attributes of a selection that make no difference to files."""
 
 

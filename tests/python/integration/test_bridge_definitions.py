@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from contextlib import suppress
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 from integration.processes import announced_ports, mavwire
 from mavwire import Bridge
+from mavwire.bridge.inspector_view import View
 from mavwire.dialects import load
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, peers, receive, report, udp_peer, wait_until
@@ -53,6 +55,23 @@ def test_frames_that_agree_on_another_definition_are_forwarded() -> None:
 
 def test_a_link_may_forward_all_of_them() -> None:
     assert forwarded(forward_unverified=True) == [foreign(number) for number in range(FRAMES)]
+
+
+def test_a_message_that_upstream_had_before_has_its_name() -> None:
+    history = (Path(__file__).parents[3] / "message_definitions/upstream/history.xml").read_text()
+    found = re.search(r'<message id="52" name="(\w+)">.*?</message>', history, re.DOTALL)
+    assert found is not None
+    before: Any = load(f"<mavlink><messages>{found[0]}</messages></mavlink>")
+    message = before.mavlink_map[52]
+    fields = [0] * len(message.fieldnames)
+    with Bridge() as bridge:
+        bridge.send(bytes(message(*fields).pack(before.MAVLink(None, 1, 1))))
+        wait_until("it", bridge.kinds)
+        (kind,) = bridge.kinds()
+        assert (kind.id, kind.name) == (52, found[1])
+        (described,) = json.loads(View(bridge).tables())["types"].values()
+        assert described["name"] == kind.name
+        assert [field[0] for field in described["fields"]] == message.fieldnames
 
 
 # -- the command

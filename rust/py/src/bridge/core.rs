@@ -24,8 +24,8 @@ use mavwire_core::frame::FrameBytes;
 /// How long one wait may last before the user's signals are looked at.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
-/// Message id, system, component, frames, time and link of the last one.
-type KindRow = (u32, u8, u8, u64, f64, String);
+/// Message id, name, system, component, frames, time and link of the last one.
+type KindRow = (u32, String, u8, u8, u64, f64, String);
 
 /// Does what nothing interrupts, such as looking a name up, on a thread that is left to itself if the user's signals end
 /// the wait for it.
@@ -147,13 +147,16 @@ impl BridgeCore {
         Ok(BridgeTap { core: slf.unbind(), tap })
     }
 
-    /// The kinds of messages that came last: message id, system, component, how many, when the last one came and over
+    /// The kinds of messages that came last: message id, name, system, component, how many, when the last one came and over
     /// which link; and how many kinds there are besides these `most`.
     fn kinds(&self, py: Python<'_>, most: usize) -> Result<(Vec<KindRow>, usize)> {
+        let registry = &self.dialect.get().registry;
         let list = || -> Result<_> {
             let (kinds, hidden) = self.bridge.hub()?.kinds(most);
             let row = |Kind { info, count, link }: Kind| {
-                (info.msgid, info.sysid, info.compid, count, info.time as f64 / 1e6, link)
+                let name = info.index.map(|index| registry.message(index).name.clone());
+                let time = info.time as f64 / 1e6;
+                (info.msgid, name.unwrap_or_default(), info.sysid, info.compid, count, time, link)
             };
             Ok((kinds.into_iter().map(row).collect(), hidden))
         };

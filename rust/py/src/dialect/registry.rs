@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use mavwire_core::builtin;
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::registry::Registry;
+use mavwire_core::unknown::UnknownKind;
 use mavwire_schema::{
     Definitions, InvalidRule, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
     dialect_name, parse_definitions, resolve,
@@ -315,7 +316,9 @@ impl Dialect {
     /// The fields of a frame that have invalid values: for each element, whether it is invalid.
     fn invalid_fields(&self, frame: &[u8]) -> HashMap<&str, Vec<bool>> {
         let known = FrameRef::parse(frame).ok().and_then(|frame| {
-            let entry = self.registry.lookup(frame.header().msgid)?;
+            let other = UnknownKind::of(frame.bytes())
+                .and_then(|kind| self.registry.other(kind.msgid, kind.crc_extra));
+            let entry = other.or_else(|| self.registry.lookup(frame.header().msgid))?;
             Some((self.registry.message(entry.index), frame.payload()))
         });
         let Some((message, payload)) = known else { return HashMap::new() };
