@@ -21,8 +21,8 @@ WILDCARDS = frozenset("*?[")
 def unknown(
     names: Iterable[str], log: Any, what: str = "message type", patterns: bool = False
 ) -> list[str]:
-    """A warning for each name that is no message type of a log or of its dialect, and for each pattern
-    that matches none if names may be patterns.
+    """A warning for each name that is no message type of a log or of its dialect. `patterns` says
+    that names may be patterns: each that matches no type gets a warning too.
     """
     from mavwire import mavutil
     from mavwire._text import did_you_mean

@@ -66,8 +66,8 @@ def standard_input() -> Iterator[str]:
 
 @contextmanager
 def opening(path: str, name: str | None = None) -> Iterator[None]:
-    """Turn errors of opening a log or a link into a CommandError. `name` is the user's name of it, if that
-    is not its path.
+    """Turn errors of opening a log or a link into a CommandError. `name` is the user's name of it,
+    if that is not its path.
     """
     hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
     # Not where it is the content that is wrong, or the way there.
@@ -117,8 +117,8 @@ class Reading:
         condition: str | None = None,
         blocking: bool = False,
     ) -> Iterator[Any]:
-        """The messages that `recv_match` gives for these arguments, to the end of the log, but for
-        lines of a text log that have a word in the place of a number.
+        """The messages of `recv_match` for these arguments, to the end of the log. Lines of a text
+        log with a word in place of a number are left out.
         """
         self._check_names(condition)
         if blocking and self._is_telemetry_log():
@@ -204,8 +204,8 @@ class Reading:
             self.show_progress()
 
     def holds(self, condition: str | None) -> bool:
-        """Whether a condition holds now, with the newest messages of the vehicle. It does not if a numeric
-        field holds a word.
+        """Whether a condition holds now, with the newest messages of the vehicle. It does not if a
+        numeric field holds a word.
         """
         if condition is None:
             return True
@@ -298,8 +298,8 @@ def results(
     wire_protocol: str | None = None,
     **options: Any,
 ) -> Iterator[T]:
-    """The result of `work` for each log of a command line, once the log is closed. Its title is printed
-    in front.
+    """The result of `work` for each log of a command line, once the log is closed. Its title is
+    printed in front.
 
     The dialect is that of the command line, if it has one. `options` are those of `reading`.
     """

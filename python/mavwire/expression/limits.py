@@ -1,9 +1,9 @@
 """The cost that an expression may have, and the operators and functions that could cost more.
 
-One evaluation has one budget. The values that an operation, a call, a list or a loop takes
-and makes are charged to it, each with all that it holds, so nothing grows step by step. Small
-operands can make a huge value at once: ``9**9**9``, ``"x" * 10**9``. Those operations are
-guarded here. Everything else is the operator of Python itself.
+One evaluation has one budget. The operands and results of operations, calls, lists and loops are
+charged to it, with all values that they hold. So nothing grows step by step. Small operands can
+make a huge value at once: ``9**9**9``, ``"x" * 10**9``. Those operations are guarded here.
+Everything else is the operator of Python itself.
 """
 
 from __future__ import annotations

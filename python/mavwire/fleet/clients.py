@@ -79,8 +79,8 @@ def _check_address(address: Any) -> None:
 
 
 def _check_scheduler(address: str) -> None:
-    """Raise OSError where no scheduler answers. A client finds out too, but where that is no OSError,
-    as with TLS that is not set up or another program at the port, nothing ends it any more.
+    """Raise OSError where no scheduler answers. A client notices too. But it never ends after
+    another error, such as TLS that is not set up or another program at the port.
     """
     import dask
     from dask.utils import parse_timedelta
@@ -112,8 +112,9 @@ async def _ask(address: str, seconds: float) -> None:
 
 @contextmanager
 def _dask_silenced() -> Iterator[None]:
-    """Hide log records of Dask: it logs the end of each connection of a closing cluster with a traceback.
-    `silence_logs` ends before the last of them. Errors that matter are raised or in a row.
+    """Hide log records of Dask: it logs the end of each connection of a closing cluster with a
+    traceback. `silence_logs` ends before the last of them. Errors that matter are raised or in a
+    row.
     """
 
     def is_shown(record: logging.LogRecord) -> bool:  # one for each run, as runs may overlap
@@ -156,9 +157,9 @@ def _local_cluster(workers: int | None) -> Any:
 
 @contextmanager
 def _interrupts_put_off() -> Iterator[None]:
-    """Ctrl-C goes to all processes of a terminal, and so does a hangup. Those that are made here, and by
-    threads that are made here, inherit that it is blocked: this one ends them in good order, without a
-    traceback from each. What comes meanwhile is heard by another thread, or afterwards.
+    """Ctrl-C goes to all processes of a terminal, and so does a hangup. Those that are made here,
+    and by threads that are made here, inherit that it is blocked: this one ends them in good order,
+    without a traceback from each. What comes meanwhile is heard by another thread, or afterwards.
     """
     if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield

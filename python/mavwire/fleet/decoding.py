@@ -37,12 +37,12 @@ def decode(
     """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log. With
     `first, end, stamped` they are part of a telemetry log, whose records have time stamps or not.
 
-    `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, in their
-    order, all if None; the other arguments are those of `mavwire.read`. Types that are asked for and
-    are not there give empty tables; a text column is always followed by `<name>_raw`. Raises OSError
-    for a log that cannot be read, LogFormatError for what is none, and for a range of a compressed or
-    dataflash log that lacks what is needed from in front of it; ValueError for arguments that make
-    no sense, and for types and columns that a dataflash log does not describe.
+    `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, in
+    their order, all if None; the other arguments are those of `mavwire.read`. Types that are asked
+    for and are not there give empty tables; a text column is always followed by `<name>_raw`.
+    Raises OSError for a log that cannot be read. LogFormatError is for a file that is not a log,
+    and for a range of a compressed or dataflash log that needs bytes in front of it; ValueError for
+    arguments that make no sense, and for types and columns that a dataflash log does not describe.
     """
     wanted = selection_of(types, columns, dialect, **query)
     return decoded(path, byte_range, *wanted, storage_options)
@@ -101,8 +101,8 @@ def _described(
     byte_range: ByteRange | Part | None,
     storage_options: Mapping[str, Any] | None,
 ) -> DataflashTables | None:
-    """The survey of a dataflash log or of a range of one; None for a telemetry log. LogFormatError if it
-    describes no records, and for a range that cannot be read by itself.
+    """The survey of a dataflash log or of a range of one; None for a telemetry log. LogFormatError
+    if it describes no records, and for a range that cannot be read by itself.
     """
     if byte_range is None or not byte_range[0]:
         return open_dataflash(source, path)

@@ -26,14 +26,15 @@ def align(
 ) -> Table:
     """A table with `timestamp` and the fields of each type as `TYPE.field`.
 
-    The clock is the times of the type `on`, each once, or ticks that are `rate` apart ("50ms", "1s",
-    seconds, or a timedelta) from the first row of all to the last. A tick gets the last row at or before it
-    (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
-    its neighbours ("linear", as float64; enum values and bit masks are those before). Rows further
-    away than `tolerance` do not count; where none is left there are nulls. Several instances of a
-    type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. For "linear"
-    read the tables with `invalid="null"`, as `log.align` does. ValueError for
-    arguments that make no sense, for a type that several senders sent, and for rows without times.
+    The clock is the times of the type `on`, each once, or ticks from the first row of all to the
+    last. `rate` is the span between ticks: "50ms", "1s", seconds, or a timedelta. A tick gets the
+    last row at or before it (`method="ffill"`), the one closest to it ("nearest"), or for numbers
+    the straight line between its neighbours ("linear", as float64; enum values and bit masks are
+    those before). Rows further away than `tolerance` do not count; where none is left there are
+    nulls. Several instances of a type are aligned each by itself, as `TYPE[0].field`. The table is
+    called `name`. For "linear" read the tables with `invalid="null"`, as `log.align` does.
+    ValueError for arguments that make no sense, for a type that several senders sent, and for rows
+    without times.
     """
     check_clock(on)
     names = names_of(tables if types is None else types)

@@ -48,9 +48,9 @@ def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, A
 
 
 def check_readable(path: str) -> None:
-    """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name; OSError for a
-    pipe or a socket, which opening would wait on, for a device, which may have no end, and for a
-    file that not even a byte can be read of.
+    """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name; OSError is for
+    a pipe or a socket, which blocks when it is opened, for a device, which may have no end, and for
+    a file that cannot be read.
     """
     mode = os.stat(path).st_mode
     if stat.S_ISDIR(mode):
@@ -75,9 +75,10 @@ def read(
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
     a dataflash log, binary or text.
 
-    `types` are names or message classes, one or several; `mavwire.logs.Query` has the other arguments.
-    A file ending in gzip or zstd is decompressed on the way. Types that are asked for and are not in the
-    log give empty tables. `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.
+    `types` are names or message classes, one or several; `mavwire.logs.Query` has the other
+    arguments. A file ending in gzip or zstd is decompressed on the way. Types that are asked for
+    and are not in the log give empty tables. `wide=True` gives types with an instance field as
+    `Table.wide` does, a column for each instance.
 
     Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
     for a type or field that the dialect, or the dataflash log, does not have.

@@ -1,7 +1,7 @@
 """`open_log` and `TelemetryLog`: a telemetry log as a sequence of messages.
 
-Every pass over the log opens the file anew, so passes do not disturb each other, and a log that is
-still being written shows each new pass what is there by then. Records are found and filtered in
+Every pass over the log opens the file again. So passes do not disturb each other, and a new pass sees
+records that were written meanwhile. Records are found and filtered in
 Rust without holding the interpreter; an object is made only of what was asked for.
 """
 

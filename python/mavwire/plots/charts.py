@@ -79,16 +79,16 @@ def plot(
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 
-    Each expression is drawn from the logs that can have its messages, so telemetry and dataflash logs may
-    be mixed. `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the axis on the right.
-    `labels` stand in the legend for the expressions. `condition` leaves out messages at which it
-    does not hold; `xaxis` is an expression to plot over in the place of time. `system` is the
-    vehicle's id, by default the first autopilot that is heard. `relative` counts seconds from the
-    first value of each log, so that several can be compared; `timeshift` is added to the times of
-    the first log. `modes` shades the flight modes of the first log that is drawn, which `flightmode` reads as
-    those of ArduPilot ("apm") or PX4 ("px4") in place of the log's own. Raises OSError for files
-    that cannot be read or written, ImportError where matplotlib is missing, ValueError for what
-    cannot be plotted.
+    Each expression is drawn from the logs that can have its messages, so telemetry and dataflash
+    logs may be mixed. `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the
+    axis on the right. `labels` stand in the legend for the expressions. `condition` leaves out
+    messages at which it does not hold; `xaxis` is an expression to plot over in the place of time.
+    `system` is the vehicle's id, by default the first autopilot that is heard. `relative` counts
+    seconds from the first value of each log, so that several can be compared; `timeshift` is added
+    to the times of the first log. `modes` shades the flight modes of the first log that is drawn.
+    `flightmode` reads those of a telemetry log as modes of ArduPilot ("apm") or PX4 ("px4"). Raises
+    OSError for files that cannot be read or written, ImportError where matplotlib is missing,
+    ValueError for what cannot be plotted.
     """
     with extra("plot"):
         import numpy  # noqa: F401

@@ -69,11 +69,10 @@ def read_series(
     """The series of a log, in the order of the expressions.
 
     `condition` leaves out messages at which it does not hold. The values of `xaxis` stand in the
-    place of times. `system` is the vehicle's, by default the first autopilot that is heard
-    and sends what is drawn;
-    `autopilot` is whose flight modes a telemetry log has, in the place of what it says itself.
-    Raises OSError for a log that cannot be read, ValueError for
-    one that is none, that has no times, and for a field or type that its definitions do not have.
+    place of times. `system` is the vehicle's, by default the first autopilot that is heard and
+    sends what is drawn; `autopilot` is whose flight modes a telemetry log has, in the place of what
+    it says itself. Raises OSError for a log that cannot be read. ValueError is for a file that is
+    not a log, a log without times, and a field or type that its definitions do not have.
     """
     system = None if system is None else system_of(system)
     how = _How(condition, xaxis, system, dialect)

@@ -1,9 +1,9 @@
 """Shadow mode: mavwire and pymavlink side by side, on the user's own traffic.
 
-With ``MAVWIRE_SHADOW=pymavlink`` in the environment, the ``MAVLink`` class of every built-in dialect
-gives what it parses, decodes and sends to the installed pymavlink as well, and raises
-:class:`ShadowMismatch` at the first answer that differs. Programs need no change. What differs on
-purpose (docs/compatibility.md) is not reported. Without the variable nothing of this is imported.
+``MAVWIRE_SHADOW=pymavlink`` in the environment changes the ``MAVLink`` class of every built-in
+dialect. It passes all data also to the installed pymavlink, and raises :class:`ShadowMismatch` at
+the first answer that differs. Programs need no change. What differs on purpose
+(docs/compatibility.md) is not reported. Without the variable nothing of this is imported.
 """
 
 from __future__ import annotations

@@ -47,8 +47,8 @@ def _print_modes(log: Reading) -> None:
 class Modes:
     """Seconds in each mode.
 
-    The last mode has no end. It is taken to last as long as the rest of the file would if all of it
-    were written as fast as the part between the first change and the line before it.
+    The last mode has no end. Its duration is estimated from the rest of the file and the speed at
+    which the file grew before the first change.
     """
 
     def __init__(self) -> None:

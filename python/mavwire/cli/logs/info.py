@@ -1,7 +1,7 @@
 """`mavwire info LOG...`: what is in a log, at one glance.
 
-Types with counts and rates, who sent them, the time they span, what was lost on the way and what
-could not be read, with the speed of reading.
+It counts types, rates, senders, times, lost messages and bytes of no message, and tells the speed of
+reading.
 """
 
 from __future__ import annotations
@@ -248,8 +248,8 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
 
 
 def read(path: str, dialect: str | None = None, name: str | None = None) -> Summary:
-    """Count a log, which is called `name`. OSError for a file that cannot be read, ValueError for a file
-    that is not a log.
+    """Count a log, which is called `name`. OSError for a file that cannot be read, ValueError for a
+    file that is not a log.
     """
     from mavwire.links.recognise import check_usable, no_such_log
     from mavwire.logs import TelemetryLog, open_log

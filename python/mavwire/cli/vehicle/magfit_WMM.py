@@ -1,7 +1,7 @@
 """Compass calibration by the field of the Earth at the place of the flight (magfit_WMM.py).
 
-Fits offsets, scale and, if asked for, elliptical and motor corrections of one compass in a dataflash
-log, so that it measures the field that the world magnetic model and the attitude tell.
+Fits offsets, scale and, if wanted, elliptical and motor corrections of one compass in a dataflash
+log. The expected field is that of the world magnetic model, turned by the attitude.
 """
 
 from __future__ import annotations
