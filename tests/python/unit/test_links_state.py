@@ -220,6 +220,61 @@ def test_vehicles_and_components_on_one_link_do_not_mix():
     assert (command.param1, command.param2) == (81, 1)
 
 
+def receive(link, *frames):
+    link.rx += b"".join(frames)
+    return drain(link)
+
+
+def servo(first, port=0, seq=0):
+    values = [first] * 8
+    return pack(mavlink.MAVLink_servo_output_raw_message(1, port, *values), seq)
+
+
+def test_a_dictionary_of_messages_that_a_program_keeps_is_current():
+    link = Capture()
+    receive(link, heartbeat(1))
+    kept = link.messages
+    (second,) = receive(link, heartbeat(2))
+    assert kept["HEARTBEAT"] is second
+    kept.pop("HEARTBEAT")
+    (third,) = receive(link, heartbeat(3))
+    assert kept["HEARTBEAT"] is third
+
+
+def test_a_dictionary_of_messages_that_nobody_keeps_is_current_when_it_is_looked_at():
+    link = Capture()
+    attitude = pack(mavlink.MAVLink_attitude_message(1, 0, 0, 0, 0, 0, 0))
+    received = receive(link, heartbeat(1), attitude, heartbeat(2), servo(1), servo(2, seq=1))
+    assert list(link.messages) == [
+        "MAV", "HOME", "HEARTBEAT", "ATTITUDE", "SERVO_OUTPUT_RAW", "SERVO_OUTPUT_RAW[0]",
+    ]  # fmt: skip
+    assert link.messages["HEARTBEAT"] is received[2]
+    assert link.messages["SERVO_OUTPUT_RAW"][0] is received[4]
+    del link.messages["ATTITUDE"]
+    receive(link, heartbeat(3))
+    assert "ATTITUDE" not in link.messages
+    (renewed,) = receive(link, attitude)
+    assert link.messages["ATTITUDE"] is renewed
+
+
+def test_a_dictionary_of_messages_that_a_program_sets_has_later_messages_alone():
+    link = Capture()
+    receive(link, heartbeat(1), servo(1), servo(2))
+    link.sysid_state[1].messages = {}
+    assert link.messages == {}
+    receive(link, servo(3), servo(4, port=1))
+    assert list(link.messages) == [f"SERVO_OUTPUT_RAW{n}" for n in ("", "[0]", "[1]")]
+    assert [link.messages["SERVO_OUTPUT_RAW"][port].servo1_raw for port in (0, 1)] == [3, 4]
+
+
+def test_conditions_are_about_the_messages_at_that_moment():
+    link = Capture()
+    for number in range(5):
+        link.rx += servo(number, seq=number)
+    msg = link.recv_match(condition="SERVO_OUTPUT_RAW.servo1_raw == 3")
+    assert msg.servo1_raw == 3
+
+
 def test_a_mode_that_px4_does_not_have_is_unknown_to_set_mode_px4(capsys):
     link = Capture()
     link.rx += heartbeat()
