@@ -27,20 +27,25 @@ class Progress:
         self._drawn_at = 0.0
         self._bar: Any = None
         self._task: Any = None
+        self._escape: Any = None
 
-    def update(self, percent: float) -> None:
-        """Draw the bar, once reading has taken a while. `percent` is from 0 to 100."""
+    def update(self, percent: float, name: str | None = None) -> None:
+        """Draw the bar, once reading has taken a while. `percent` is from 0 to 100; `name` is that of
+        another file.
+        """
         if not self.enabled:
             return
         now = time.monotonic()
         if now - self.began < PROGRESS_AFTER or now - self._drawn_at < PROGRESS_INTERVAL:
             return
         self._drawn_at = now
+        self.name = self.name if name is None else printable(name)
         if not self.shown:
             self.shown = True
             self._start()
         if self._bar is not None:
-            self._bar.update(self._task, completed=percent)
+            label = {} if name is None else {"description": self._escape(self.name)}
+            self._bar.update(self._task, completed=percent, **label)
             return
         filled = int(percent / 4)
         _draw(f"\r{self.name} [{'#' * filled:<25}] {percent:3.0f}%")
@@ -64,6 +69,7 @@ class Progress:
         on_screen = is_terminal(sys.stdout)
         console = Console(file=drawn_on(sys.stderr))
         self._bar = Bar(console=console, transient=True, redirect_stdout=on_screen)
+        self._escape = escape
         self._task = self._bar.add_task(escape(self.name), total=100)
         self._bar.start()
         guard_streams()  # till `stop` puts back what it found

@@ -77,12 +77,12 @@ def main(args: argparse.Namespace) -> int:
         "start": time_of(args.start),
         "end": time_of(args.end),
     }
-    bars = _Bars(enabled=not args.quiet)
+    bar = Progress("", enabled=not args.quiet)
     try:
         with refused(ValueError), ended_in_order():
-            rows = _convert(args, options, bars)
+            rows = _convert(args, options, bar)
     finally:
-        bars.finish()
+        bar.finish()
     undescribed = _undescribed(rows, options["types"] or [])
     for problem in undescribed:
         tell(f"mavwire convert: {problem}")
@@ -136,11 +136,13 @@ def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
     return []
 
 
-def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> list[Converted]:
+def _convert(args: argparse.Namespace, options: dict[str, Any], bar: Progress) -> list[Converted]:
     if not _is_fleet(args):
         from mavwire.logs.conversion import convert
 
-        return convert(args.logs, args.out, progress=bars.update, **options)
+        return convert(
+            args.logs, args.out, progress=lambda log, done: bar.update(done, log), **options
+        )
     from mavwire import fleet
 
     try:
@@ -149,7 +151,7 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
             args.out,
             args.scheduler,
             workers=args.workers,
-            progress=lambda done, logs: bars.update(f"{logs:,} logs", 100.0 * done / logs),
+            progress=lambda done, logs: bar.update(100.0 * done / logs, f"{logs:,} logs"),
             **options,
         )
     except ImportError as error:
@@ -158,23 +160,3 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
         if error.filename is not None:
             raise
         raise CommandError(str(error)) from error
-
-
-class _Bars:
-    """A progress bar for the log that is being converted, or for all of them."""
-
-    def __init__(self, enabled: bool) -> None:
-        self.enabled = enabled
-        self.path: str | None = None
-        self.bar: Progress | None = None
-
-    def update(self, path: str, percent: float) -> None:
-        if self.bar is None or path != self.path:
-            self.finish()
-            self.path, self.bar = path, Progress(path, self.enabled)
-        self.bar.update(percent)
-
-    def finish(self) -> None:
-        if self.bar is not None:
-            self.bar.finish()
-            self.bar = None
