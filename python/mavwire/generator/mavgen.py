@@ -167,11 +167,9 @@ def _read_files(opts: _Options, args: Sequence[str]) -> tuple[list[mavparse.MAVX
         sys.exit("ERROR: no definition files given")
     known = {os.path.abspath(file.filename) for file in xml}
     built_in: set[str] = set()
-    level = list(xml)
-    for depth in range(MAXIMUM_INCLUDE_FILE_NESTING + 1):
-        wanted = [(path, file) for file in level for path in included_paths(file)]
-        level = []
-        for path, file in wanted:
+    queue = [(file, 0) for file in xml]
+    for file, depth in queue:  # which grows
+        for path in included_paths(file):
             if path in known:
                 continue
             if depth == MAXIMUM_INCLUDE_FILE_NESTING:
@@ -180,9 +178,8 @@ def _read_files(opts: _Options, args: Sequence[str]) -> tuple[list[mavparse.MAVX
             if _is_built_in(path):
                 built_in.add(mavparse.base_name(path))
             else:
-                level.append(_read_file(opts, path, included_by=file.filename))
-        xml += level
-    return xml, built_in
+                queue.append((_read_file(opts, path, included_by=file.filename), depth + 1))
+    return [file for file, _ in queue], built_in
 
 
 def _is_built_in(path: str) -> bool:

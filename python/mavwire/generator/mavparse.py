@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections.abc import Iterator
 
 from mavwire._native import DefinitionFile, crc_extra, number_behind
 from mavwire.dialects._sources import read_text
@@ -162,46 +163,36 @@ def check_duplicates(xml: list[MAVXML]) -> bool:
     Merges the enums first, because an entry may also be repeated in another file.
     """
     merge_enums(xml)
-    messages = _SeenMessages()
-    return any(
-        any(messages.repeats(file, message) for message in file.message)
-        or any(_repeats_entry(enum) for enum in file.enum)
-        for file in xml
-    )
+    problem = next(_duplicates(xml), None)
+    if problem is not None:
+        print(f"ERROR: Duplicate {problem}")
+    return problem is not None
 
 
-class _SeenMessages:
-    def __init__(self) -> None:
-        self._ids: dict[int, tuple[str, str]] = {}
-        self._names: dict[str, int] = {}
-
-    def repeats(self, file: MAVXML, m: MAVType) -> bool:
-        """Whether the message repeats one seen before, or a field of its own."""
-        where = f"{file.filename}:{m.linenumber}"
-        problem = self._problem(m, where)
-        if problem:
-            print(f"ERROR: Duplicate {problem}")
-            return True
-        self._ids[m.id] = (m.name, where)
-        self._names[m.name] = m.id
-        return False
-
-    def _problem(self, m: MAVType, where: str) -> str | None:
-        if m.id in self._ids:
-            name, used = self._ids[m.id]
-            return f"message id {m.id} for {m.name} ({where}) also used by {name} ({used})"
-        if len(set(m.fieldnames)) < len(m.fieldnames):
-            name = next(n for i, n in enumerate(m.fieldnames) if n in m.fieldnames[:i])
-            return f"field {name} in message {m.name} ({where})"
-        if m.name in self._names:
-            other = self._names[m.name]
-            used = self._ids[other][1]
-            return f"message name {m.name} for id:{m.id} ({where}) also used by {other} ({used})"
-        return None
+def _duplicates(xml: list[MAVXML]) -> Iterator[str]:
+    ids: dict[int, tuple[str, str]] = {}
+    names: dict[str, int] = {}
+    for file in xml:
+        for m in file.message:
+            where = f"{file.filename}:{m.linenumber}"
+            if m.id in ids:
+                name, used = ids[m.id]
+                yield f"message id {m.id} for {m.name} ({where}) also used by {name} ({used})"
+            for i, field in enumerate(m.fieldnames):
+                if field in m.fieldnames[:i]:
+                    yield f"field {field} in message {m.name} ({where})"
+            if m.name in names:
+                other = names[m.name]
+                used = f"also used by {other} ({ids[other][1]})"
+                yield f"message name {m.name} for id:{m.id} ({where}) {used}"
+            ids[m.id] = (m.name, where)
+            names[m.name] = m.id
+        for enum in file.enum:
+            yield from _repeated_entries(enum)
 
 
-def _repeats_entry(enum: MAVEnum) -> bool:
-    """Whether a name or value occurs twice; also notes each value the file does not give."""
+def _repeated_entries(enum: MAVEnum) -> Iterator[str]:
+    """Entries whose name or value occurred before; also notes each value the file does not give."""
     names: dict[str, MAVEnumEntry] = {}
     values: dict[int, MAVEnumEntry] = {}
     for entry in enum.entry:
@@ -209,19 +200,13 @@ def _repeats_entry(enum: MAVEnum) -> bool:
             print(f"Note: An enum value was auto-generated: {entry.name} = {entry.value}")
         same_name = names.setdefault(entry.name, entry)
         same_value = values.setdefault(entry.value, entry)
-        if same_name is not entry:
-            return _print_repeated("names", enum, entry, same_name)
-        if same_value is not entry:
-            return _print_repeated("values", enum, entry, same_value)
-    return False
-
-
-def _print_repeated(what: str, enum: MAVEnum, *entries: MAVEnumEntry) -> bool:
-    print(f"ERROR: Duplicate enum {what}:")
-    for entry in entries:
-        origin = f"{entry.origin_file}:{entry.origin_line}"
-        print(f"\t{enum.name}.{entry.name} = {entry.value} @ {origin}")
-    return True
+        for kind, same in (("names", same_name), ("values", same_value)):
+            if same is not entry:
+                lines = (
+                    f"\n\t{enum.name}.{one.name} = {one.value} @ {one.origin_file}:{one.origin_line}"
+                    for one in (entry, same)
+                )
+                yield f"enum {kind}:{''.join(lines)}"
 
 
 def check_missing_enum(xml: list[MAVXML]) -> bool:
