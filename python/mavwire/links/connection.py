@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from types import SimpleNamespace
 
 from mavwire._native import LogKind
@@ -43,7 +44,9 @@ class Options(SimpleNamespace):
         """`reconnect_delay` unless it is the default. A class that a program puts in place of a link's need not
         know it."""
         delay = self.reconnect_delay
-        return {} if delay == 1 else {"reconnect_delay": _delay(delay)}
+        largest = sys.float_info.max
+        _checked(delay, "reconnect_delay", " of seconds from 0 on", 0, largest)
+        return {} if delay == 1 else {"reconnect_delay": delay}
 
     @property
     def reader(self) -> dict[str, Any]:
@@ -52,33 +55,27 @@ class Options(SimpleNamespace):
         return {name: getattr(self, name) for name in names}
 
 
-def _delay(value: Any) -> Any:
-    """A `reconnect_delay`. TypeError for what is no number, ValueError for what no pause can last."""
+def _checked(value: Any, name: str, kind: str, least: float, largest: float) -> Any:
+    """A number from `least` to `largest`. TypeError for anything else than a number, ValueError for another one."""
     try:
-        fits = 0 <= value < math.inf
+        fits = least <= value <= largest
     except TypeError:
-        raise TypeError(f"reconnect_delay is a number, not {value!r}") from None
+        raise TypeError(f"{name} is a number, not {value!r}") from None
     if not fits:
-        raise ValueError(f"reconnect_delay is a number of seconds from 0 on, not {value}")
-    return value
-
-
-def _retries(value: Any) -> Any:
-    """A number of `retries`: any, as with pymavlink, but TypeError for what is none, and ValueError for NaN."""
-    try:
-        is_number = value <= 0 or value > 0
-    except TypeError:
-        raise TypeError(f"retries is a number, not {value!r}") from None
-    if not is_number:
-        raise ValueError(f"retries is a number, not {value}")
+        raise ValueError(f"{name} is a number{kind}, not {value}")
     return value
 
 
 def _stream(name: str) -> Callable[[str, Options], Any]:
     """Opens a client over a stream socket, of the class `name`."""
-    return lambda address, o: getattr(state.public, name)(
-        address, autoreconnect=o.autoreconnect, retries=_retries(o.retries), **o.pauses, **o.common
-    )
+
+    def open_stream(address: str, o: Options) -> Any:
+        retries = _checked(o.retries, "retries", "", -math.inf, math.inf)
+        return getattr(state.public, name)(
+            address, autoreconnect=o.autoreconnect, retries=retries, **o.pauses, **o.common
+        )
+
+    return open_stream
 
 
 def _udp(address: str, o: Options, **kind: Any) -> Any:

@@ -107,22 +107,17 @@ def is_pipe_or_socket(device: str) -> bool:
     return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
 
 
-def no_such_log(device: str) -> OSError:
+def no_such_log(device: str) -> FileNotFoundError:
     """The error for a name that leads to no file."""
-    try:
-        os.stat(device)
-    except OSError as error:
-        if error.errno == errno.ELOOP:  # there is a file, of symbolic links that lead round
-            return error
     return FileNotFoundError(errno.ENOENT, "no such log file", device)
 
 
 def check_usable(device: str, creating: bool) -> None:
     """Raise the error that tells why no link can be made of a file that is meant as a log.
 
-    FileNotFoundError for a missing one unless `creating`, OSError for symbolic links that lead
-    round, IsADirectoryError for a directory, PermissionError for a program, which is never run
-    because of its name; ValueError for no name, and for what is neither a log nor a port.
+    FileNotFoundError for a missing one unless `creating`, IsADirectoryError for a directory,
+    PermissionError for a program, which is never run because of its name; ValueError for no name,
+    and for a pipe or a socket.
     """
     if not device:
         raise ValueError("no device: the name is empty")
