@@ -85,7 +85,7 @@ COMMANDS = {
     "bridge": ("bridge", "", "route MAVLink between serial ports, UDP and TCP; record it"),
     "replay": ("bridge", "", "send the frames of a log again, at their pace or faster"),
     "gen": ("dev", "mavgen", "generate a Python dialect module from XML definitions"),
-    "definitions": ("dev", "", "show a message, enum or command; store upstream descriptions"),
+    "definitions": ("dev", "", "show, compare and update message definitions"),
     "run": ("dev", "", "run a program that imports pymavlink on mavwire"),
     "alias": ("dev", "", "let mavwire answer 'import pymavlink' in this environment"),
 }

@@ -22,7 +22,7 @@ WORDS_IN_COMMON = 6  # in a row; shorter runs are how one speaks of the thing
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
     """A dialect for which no XML with descriptions is at hand, and which no other test has used."""
-    monkeypatch.setattr(_descriptions, "_candidates", lambda dialect: iter(()))
+    monkeypatch.setattr(_descriptions, "_folders", lambda: iter(()))
     path = tmp_path / "plain.xml"
     path.write_text("<mavlink><include>ardupilotmega.xml</include></mavlink>")
     return str(path)
