@@ -48,7 +48,7 @@ class Verdict:
 
 
 def check(folder: Path, union: Facts, drop_in: Facts, pinned: set[str]) -> list[Verdict]:
-    """A verdict for each file of a checkout. Files with a digest of `pinned` are unchanged."""
+    """A verdict for each file of a checkout. Files with a digest of `pinned` are unchanged. The union gets what is new."""
     files = {path.stem: path for path in definition_files(folder)}
     facts = {name: of_file(path) for name, path in files.items()}
     taken: dict[int, tuple[str, int]] = {}
@@ -63,6 +63,8 @@ def check(folder: Path, union: Facts, drop_in: Facts, pinned: set[str]) -> list[
                 judge_message(id_, message, union, verdict)
         if not is_pinned:
             judge_enums(facts[name], union, drop_in, verdict)
+    for name in in_order(facts):
+        union.add(facts[name])
     return verdicts
 
 

@@ -67,16 +67,16 @@ def read(path: str) -> tuple[list[dict[str, str]], dict[str, Any]]:
 
     from mavwire.dialects import _sources
 
-    sets: list[dict[str, str]] = []
+    sets: dict[str, dict[str, str]] = {}
     with zipfile.ZipFile(path) as file:
         facts: dict[str, Any] = json.loads(file.read(FACTS))
         for info in file.infolist():
             number, _, name = info.filename.partition("/")
             if name.endswith(".xml"):
-                sets += [{} for _ in range(int(number) + 1 - len(sets))]
                 data = file.open(info).read(_sources.MAX_BYTES + 1)
-                sets[int(number)][name.removesuffix(".xml")] = _sources.decode(data, info.filename)
-    return sets, facts
+                text = _sources.decode(data, info.filename)
+                sets.setdefault(number, {})[name.removesuffix(".xml")] = text
+    return [*sets.values()], facts
 
 
 def packed(sets: Sequence[dict[str, str]], facts: dict[str, Any]) -> bytes:

@@ -48,6 +48,7 @@ def pinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, definit
 
 
 def checkout(tmp_path: Path, **files: str) -> Path:
+    tmp_path = tmp_path / next(iter(files))
     folder = tmp_path / "checkout" / "message_definitions" / "v1.0"
     folder.mkdir(parents=True)
     for name, text in files.items():
@@ -97,6 +98,16 @@ def test_ids_that_files_of_one_checkout_share_are_no_clash(tmp_path: Path) -> No
         one=messages((1, "ONE", fields("a"))),
     )
     assert definitions_check.main([str(folder)]) == 0
+
+
+def test_checkouts_that_contradict_each_other_clash(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = checkout(tmp_path, one=messages((3, "NEW", fields("a"))))
+    two = checkout(tmp_path, two=messages((3, "OTHER", fields("a"))))
+    assert definitions_check.main([str(one), str(one)]) == 0
+    assert definitions_check.main([str(one), str(two)]) == 1
+    assert "two.xml: id clash: 3 is NEW and OTHER" in capsys.readouterr().out
 
 
 def test_the_dialects_of_pymavlink_are_in_the_union(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import mavwire
 import pytest
+import union_definitions
 from mavwire._native import Dialect
 from mavwire.dialects import UPSTREAM
 from mavwire.dialects.v20 import all as drop_in
@@ -80,6 +81,35 @@ def test_sets_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
     (tmp_path / "all.xml").write_text(text)
     done = run(tmp_path)
     assert done.returncode == 2 and "id 0 is OTHER and HEARTBEAT" in done.stderr
+
+
+def test_messages_that_upstream_removes_stay_unless_told_otherwise(tmp_path: Path) -> None:
+    output, checkout = tmp_path / "upstream.xml", tmp_path / "checkout"
+    folder = checkout / "message_definitions" / "v1.0"
+    folder.mkdir(parents=True)
+    text = '<message id="{}" name="{}"><field type="uint8_t" name="a"/></message>'
+    for id_, name in ((54000, "OLD"), (54001, "NEW")):
+        message = text.format(id_, name)
+        (folder / "a.xml").write_text(f"<mavlink><messages>{message}</messages></mavlink>")
+        assert union_definitions.main([str(checkout), "--output", str(output)]) == 0
+    assert 'name="OLD"' in output.read_text() and 'name="NEW"' in output.read_text()
+    assert union_definitions.main([str(checkout), "--output", str(output), "--fresh"]) == 0
+    assert 'name="OLD"' not in output.read_text() and 'name="NEW"' in output.read_text()
+
+
+@pytest.mark.parametrize(
+    ("enum", "reason"),
+    [
+        ('<enum name="MAV_STATE"><entry name="MAV_STATE_BOOT" value="0x10"/></enum>', "16 and 1"),
+        ('<enum name="MAV_STATE"><entry name="MAV_STATE_BOOT" value="0x01"/></enum>', ""),
+    ],
+)
+def test_values_are_compared_whatever_way_they_are_written(
+    enum: str, reason: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.xml").write_text(f"<mavlink><enums>{enum}</enums></mavlink>")
+    done = run(tmp_path)
+    assert (done.returncode == 2) == bool(reason) and reason in done.stderr
 
 
 @pytest.mark.skipif(
