@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import lzma
 import sys
 import tarfile
 import warnings
@@ -168,9 +169,14 @@ def test_archives(pack: Callable[[dict[str, str]], bytes], tmp_path: Path) -> No
         _definition_fetch.fetch(str(path))
 
 
-def test_a_file_that_is_no_archive_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "a.zip").write_bytes(b"PK\x03\x04")
-    with pytest.raises(CommandError, match="not a zip or tar archive"):
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"PK\x03\x04", tarred(FILES)[:-40], lzma.compress(bytes(9000))[:-40], zipped(FILES)[60:]],
+    ids=["empty", "zip", "gzip", "xz", "cut"],
+)
+def test_a_file_that_is_no_archive_is_refused(data: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.zip").write_bytes(data)
+    with pytest.raises(CommandError, match=r"not a zip or tar archive|no folder"):
         _definition_fetch.fetch(str(tmp_path / "a.zip"))
 
 

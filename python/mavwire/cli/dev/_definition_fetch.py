@@ -7,7 +7,6 @@ import os
 import posixpath
 import tarfile
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator
 from datetime import date, datetime
 from http.client import HTTPException
@@ -78,7 +77,8 @@ def _get(address: str) -> bytes:
         with request.build_opener(_OnlyHttps).open(address, timeout=TIMEOUT) as response:
             data: bytes = response.read(MAX_DOWNLOAD + 1)
     except (OSError, HTTPException) as error:
-        raise CommandError(f"{address}: {error}") from None
+        reason = str(error).removeprefix("<urlopen error ").removesuffix(">")
+        raise CommandError(f"{address}: {reason or 'the connection failed'}") from None
     if len(data) > MAX_DOWNLOAD:
         raise CommandError(f"{address}: larger than {MAX_DOWNLOAD} bytes")
     return data
@@ -115,15 +115,11 @@ def _unpacked(file: IO[bytes], name: str) -> Files:
                 raise CommandError(f"{name}: unpacks to more than {MAX_UNPACKED} bytes")
             if path.endswith(".xml"):
                 files[path] = read(_sources.MAX_BYTES + 1), day
-    except (
-        tarfile.TarError,
-        zipfile.BadZipFile,
-        EOFError,
-        RuntimeError,
-        NotImplementedError,
-        zlib.error,
-    ) as error:
-        raise CommandError(f"{name}: not a zip or tar archive of definitions: {error}") from None
+    except CommandError:
+        raise
+    except Exception as error:  # a damaged archive may raise anything
+        reason = str(error).partition("\n")[0].rstrip(":")
+        raise CommandError(f"{name}: not a zip or tar archive of definitions: {reason}") from None
     folders = {posixpath.dirname(path) for path in files}
     places = {one for one in folders if f"/{one}".endswith("/message_definitions/v1.0")} or folders
     if len(places) != 1:

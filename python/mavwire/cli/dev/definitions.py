@@ -32,8 +32,10 @@ from pathlib import Path
 from sysconfig import get_path
 from typing import Any
 
+from mavwire import dialects
 from mavwire._atomic_file import replacing
 from mavwire._native import DefinitionError, Dialect, definition_sources, describe
+from mavwire._text import no_such_dialect
 from mavwire.cli._errors import CommandError, refused
 from mavwire.dialects import UPSTREAM, _installed, _sources
 from mavwire.dialects._descriptions import installed_folder, stored_folder
@@ -132,6 +134,9 @@ def diff(old: str, new: str, as_json: bool) -> str:
     """The differences of two sets of definitions."""
     from mavwire.cli.dev._definition_facts import as_text, changes, of_set
 
+    for name in (old, new):
+        if name not in dialects.names() and not os.path.exists(name):
+            raise CommandError(no_such_dialect(name))
     with refused(OSError, DefinitionError):
         difference = changes(of_set(old), of_set(new))
     if as_json:
