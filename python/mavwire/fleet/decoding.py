@@ -77,7 +77,7 @@ def decoded(
         else:
             _add_empty(found, described, selection)
         if byte_range is None and described is None:
-            check_records(run, path, source)
+            check_records(run, path, selection, source)
     return {name: Table(name, found[name], path) for name in sorted(found)}
 
 

@@ -37,7 +37,7 @@ from .selection import Selection, separate_fields
 from .sources import check_run, file_status, open_converter
 from .staging import remove_left
 from .store import Store
-from .unknown import named
+from .unknown import log_of_table, named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -50,7 +50,15 @@ BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 2
 """Increase it when the same options give other files, so that old files are made anew."""
-INTERNAL = ("unknown", "descriptions", "untimed", "batch_rows", "batch_bytes", "foreign")
+INTERNAL = (
+    "unknown",
+    "descriptions",
+    "untimed",
+    "tells_unknown",
+    "batch_rows",
+    "batch_bytes",
+    "foreign",
+)
 """Attributes of a selection that make no difference to files."""
 
 
@@ -64,6 +72,7 @@ def convert(
     types: Types = None,
     csv_safe: bool = True,
     dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    from_unknown: bool = False,
     progress: Callable[[str, float], object] | None = None,
     **query: Unpack[Query],
 ) -> list[Converted]:
@@ -78,10 +87,12 @@ def convert(
     that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
     other options the manifest begins anew, and files of earlier runs stay until one of the same
-    name replaces them: use a folder for each set of options. Memory does not depend on the size of
-    a log. `progress` is told the path and percents. ValueError for an argument that makes no sense,
-    where `out/manifest.json` is not one of these, and while another run writes to `out`; a log that
-    cannot be read is a row with an `error`.
+    name replaces them: use a folder for each set of options. With
+    `from_unknown` the paths are tables `mavwire.unknown` of an earlier run, as Parquet or Arrow. Memory
+    does not depend on the size of a log. `progress` is told the path and percents.
+
+    ValueError for an argument that makes no sense, where `out/manifest.json` is not one of these, and while another
+    run writes to `out`; a log that cannot be read is a row with an `error`.
     """
     logs = paths_of(paths)
     for place in (os.fsdecode(out), *logs):
@@ -100,7 +111,7 @@ def convert(
         remove_left(out)  # of a fleet that was killed
         manifest = Manifest(store, how)
         journal = Journal(store, manifest)
-        job = Job(out, native, selection, format, compression, progress)
+        job = Job(out, native, selection, format, compression, progress, from_unknown=from_unknown)
         names = manifest.names(logs)
         rows = []
         try:
@@ -190,6 +201,8 @@ class Job:
     progress: Callable[[str, float], object] | None
     named: str | None = None
     """The name of `out` in errors, if files are moved when they are complete."""
+    from_unknown: bool = False
+    """The logs are tables `mavwire.unknown`."""
 
     def run(self, path: str, name: str, source: Source | None = None) -> Converted:
         """Convert a log to `out/MESSAGE/name`, or `out/name`; what went wrong is in the row.
@@ -202,7 +215,9 @@ class Job:
                 check_readable(path)
                 row.size, row.mtime_ns = file_status(path)
             with many_open_files():
-                self._convert(path if source is None else source, row)
+                if source is None:
+                    source = log_of_table(path) if self.from_unknown else path
+                self._convert(source, row)
         except (OSError, ValueError, MemoryError) as error:
             if isinstance(error, OSError):
                 self._name_place(error)

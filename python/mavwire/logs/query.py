@@ -45,9 +45,12 @@ class Query(Values, total=False):
     - `enums`: "names" makes names of enum values.
     - `invalid`: "null" makes nulls of invalid values, such as 65535 mV or NaN, as the definitions say.
       "keep" keeps them. The default is "null" with `units="si"` and "keep" otherwise.
+    - `unknown`: "table" makes a table `mavwire.unknown` of messages that the dialect does not define, "ignore"
+      leaves them out without a warning.
     """
 
     fields: str | Iterable[str] | None
+    unknown: str | None
 
 
 def takes(query: type, *positional: str) -> Callable[[Callable[P, T]], Callable[P, T]]:

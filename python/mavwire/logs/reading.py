@@ -98,7 +98,7 @@ def read(
     with naming(path):
         run = LogColumns(path, native, selection)
         found = with_empty(joined(run), module, native, selection)
-    check_records(run, path)
+    check_records(run, path, selection)
     return tables_of(found, path, fields, wide)
 
 
@@ -120,7 +120,7 @@ def read_described(
     if found is None:
         run = tables.columns(selection)
         whole = joined(run)
-        check_records(run, path)
+        check_records(run, path, selection)
     else:
         whole = joined([found])
     for name in selection.names or ():
@@ -174,13 +174,16 @@ def tables_of(
     return {name: table.wide() for name, table in chosen.items()}
 
 
-def check_records(run: LogColumns, path: str, source: Source | None = None) -> None:
+def check_records(
+    run: LogColumns, path: str, selection: Selection, source: Source | None = None
+) -> None:
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
     first one. Warn of messages that the dialect does not define.
     """
     position, bad_bytes, damage, unknown = run.progress()
     check_run(path if source is None else source, path, position, bad_bytes, damage)
-    warn_unknown(unknown, path)
+    if selection.tells_unknown:
+        warn_unknown(unknown, path)
 
 
 @takes(Query, "systems", "fields", "start", "end")
@@ -221,6 +224,7 @@ def scan(
     selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
     begin = partial(batches, every, surveys, native, selection)
     one_type = selection.names is not None and len(selection.names) == 1
+    one_type = one_type and not selection.unknown_table
     empty = partial(empty_of, every, surveys, module, native, selection) if one_type else None
     return Batches(begin, empty)
 
@@ -319,7 +323,7 @@ def batches_of(
     for found in run:
         for name, batches in found:
             yield Table(name, batches, path)
-    check_records(run, path)
+    check_records(run, path, selection)
 
 
 def absolute(path: str) -> str:

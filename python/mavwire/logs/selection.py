@@ -49,6 +49,9 @@ class Selection:
     enum_names: bool = False
     invalid: str = "keep"
     """"null" or "keep"."""
+    unknown_table: bool = False
+    """Messages that the dialect does not define become a table."""
+    tells_unknown: bool = True
     csv_safe: bool = False
     """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     descriptions: dict[str, tuple[str, dict[str, str]]] | None = None
@@ -74,6 +77,7 @@ class Selection:
         units: str | None = None,
         enums: str | None = None,
         invalid: str | None = None,
+        unknown: str | None = None,
     ) -> Selection:
         """From the arguments of `read`; ValueError names one that makes no sense."""
         if units not in (None, "si"):
@@ -82,15 +86,19 @@ class Selection:
             raise ValueError(f"enums must be None or 'names', not {enums!r}")
         if invalid not in (None, "null", "keep"):
             raise ValueError(f"invalid must be None, 'null' or 'keep', not {invalid!r}")
+        if unknown not in (None, "table", "ignore"):
+            raise ValueError(f"unknown must be None, 'table' or 'ignore', not {unknown!r}")
         wanted = None if types is None else types_of(types)
         known, foreign = _telemetry_types(dialect, wanted)
-        ids, unknown = (None, None) if known is None else ids_of(dialect, known)
+        ids, unknown_ids = (None, None) if known is None else ids_of(dialect, known)
         first, behind = seconds_of(start), seconds_of(end)
         if first is not None and behind is not None and first >= behind:
             raise ValueError(f"start is a time before end, not {start!r} with {end!r}")
         return cls(
             types=ids,
-            unknown=unknown,
+            unknown=None if unknown == "table" else unknown_ids,
+            unknown_table=unknown == "table",
+            tells_unknown=unknown is None,
             names=None if wanted is None else [_name_of(one) for one in wanted],
             systems=None if systems is None else [system_of(one) for one in several(systems)],
             start=first,

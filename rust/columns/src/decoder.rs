@@ -14,13 +14,14 @@ use crate::error::Error;
 use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::input::Steps;
 use crate::layout::{Layout, Options, names_len};
-use crate::reader::{Batch, Plan, TakeIn};
+use crate::reader::{Batch, Limits, Plan, TakeIn};
 use crate::row_block::{Chosen, PIECE, RowBlock, Side, portions};
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
 use crate::select::Wanted;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
 use crate::unknown::{self, UnknownCounts};
+use crate::unknown_table::UnknownTable;
 
 /// The growing tables of a log.
 pub(crate) struct Decoder {
@@ -29,6 +30,8 @@ pub(crate) struct Decoder {
     framing: Framing,
     wanted: Wanted,
     unknown: UnknownCounts,
+    unknown_table: Option<UnknownTable>,
+    limits: Limits,
     options: Options,
     tables: Tables,
     pieces: Vec<RowBlock>,
@@ -40,7 +43,7 @@ pub(crate) struct Decoder {
 
 impl Decoder {
     pub(crate) fn new(registry: Arc<Registry>, framing: Framing, steps: Steps, plan: Plan) -> Self {
-        let Plan { wanted, options, limits, .. } = plan;
+        let Plan { wanted, options, limits, unknown_table, .. } = plan;
         let scanner = LogScanner::new(Arc::clone(&registry), framing).with_stretch(steps.stretch);
         let messages = &registry.dialect().messages;
         let tables = Tables::new(messages.len(), limits);
@@ -60,6 +63,8 @@ impl Decoder {
             framing,
             wanted,
             unknown,
+            unknown_table: unknown_table.then(UnknownTable::default),
+            limits,
             options,
             tables,
             pieces,
@@ -76,7 +81,11 @@ impl TakeIn for Decoder {
         let (scanned, lead) = (self.scanner.scan(block, at_end), self.framing.lead());
         for record in scanned.records.iter().filter(|record| record.index == UNKNOWN) {
             if self.wanted.wants(block, lead, &scanned, *record) {
-                unknown::add(&mut self.unknown, &block[record.at as usize + lead..], None);
+                let frame = &block[record.at as usize + lead..];
+                unknown::add(&mut self.unknown, frame, None);
+                if let Some(table) = &mut self.unknown_table {
+                    table.append(scanned.time(block, record.at), frame);
+                }
             }
         }
         scanned
@@ -108,7 +117,7 @@ impl TakeIn for Decoder {
         done: f64,
     ) -> Result<Vec<Batch>, Error> {
         self.sort(block, scanned, some);
-        let Self { registry, framing, options, tables, pieces, .. } = self;
+        let Self { registry, framing, options, tables, pieces, unknown_table, limits, .. } = self;
         let new = |index| {
             let layout = Layout::new(registry, index as u16, *framing, options);
             let fields = TextFields::of(registry.message(index as u16));
@@ -116,11 +125,19 @@ impl TakeIn for Decoder {
             TableBuilder::new(Arc::new(layout)).with_long_texts(fields)
         };
         tables.append(pieces, done, new, append);
-        tables.complete()
+        let mut batches = tables.complete()?;
+        if let Some(table) = unknown_table {
+            batches.extend(table.complete(*limits)?);
+        }
+        Ok(batches)
     }
 
     fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        self.tables.rest()
+        let mut batches = self.tables.rest()?.unwrap_or_default();
+        if let Some(table) = &mut self.unknown_table {
+            batches.extend(table.take(self.limits)?);
+        }
+        Ok((!batches.is_empty()).then_some(batches))
     }
 }
 

@@ -37,6 +37,7 @@ mod tables;
 pub mod text_encoding;
 pub mod units;
 pub mod unknown;
+pub mod unknown_table;
 
 pub use arrow;
 pub use error::Error;

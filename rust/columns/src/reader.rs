@@ -110,6 +110,8 @@ pub struct Plan {
     pub options: Options,
     /// In which batches.
     pub limits: Limits,
+    /// Whether messages that the dialect does not define become a table.
+    pub unknown_table: bool,
     /// Bytes that the log has, or may have; 0 if that is not known. Tables get room for the rows that are to be expected.
     pub size: u64,
 }

@@ -7,8 +7,9 @@ import warnings
 from pathlib import Path
 
 import mavwire
+import pyarrow.parquet as pq
 import pytest
-from mavwire import cli
+from mavwire import cli, dialects
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import upstream
 from mavwire.logs import UnknownMessageWarning
@@ -130,3 +131,58 @@ def test_an_earlier_layout_is_a_message(tmp_path: Path) -> None:
 def test_a_layout_whose_name_is_taken_has_another_name(tmp_path: Path) -> None:
     path = write(tmp_path / "old.tlog", *(frame(36, 242, bytes(21), seq) for seq in range(3)))
     assert [*mavwire.read(path)] == ["SERVO_OUTPUT_RAW_CRC242"]
+
+
+VENDOR = """<mavlink><messages><message id="180" name="VENDOR_STATE">
+<field type="uint8_t" name="number"/><field type="uint8_t" name="mode"/><field type="uint8_t" name="level"/>
+</message></messages></mavlink>"""
+
+
+def test_a_table_of_unknown_messages_has_their_payloads(vendor: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tables = mavwire.read(vendor, unknown="table")
+        assert mavwire.read(vendor, unknown="ignore").keys() == {"HEARTBEAT"}
+        only = mavwire.read(vendor, "HEARTBEAT", systems=1, unknown="table")
+    assert only.keys() == tables.keys() == {"HEARTBEAT", "mavwire.unknown"}
+    table = tables["mavwire.unknown"].to_arrow()
+    assert table.column_names == [
+        "timestamp", "sysid", "compid", "seq", "version", "msgid", "crc_extra", "payload"
+    ]  # fmt: skip
+    assert table["payload"].to_pylist() == [bytes([seq, 0, 60]) for seq in range(3, 20)]
+    assert table["version"].to_pylist() == [1] * 17
+    first = table["timestamp"][0].value
+    assert first == T0 + 7
+    (batch,) = (one for one in mavwire.scan(vendor, unknown="table") if one.name != "HEARTBEAT")
+    assert (batch.name, len(batch)) == ("mavwire.unknown", 17)
+    with pytest.raises(ValueError, match="unknown must be None, 'table' or 'ignore', not 'all'"):
+        mavwire.read(vendor, unknown="all")
+
+
+@pytest.mark.parametrize("format", ["parquet", "arrow"])
+def test_a_later_dialect_decodes_the_table(
+    tmp_path: Path, format: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    dialect, out, later = tmp_path / "vendor.xml", tmp_path / "out", tmp_path / "later"
+    dialect.write_text(VENDOR)
+    module = dialects.load(dialect)
+    mav = module.MAVLink(None, 7, 8)
+    frames = [module.MAVLink_vendor_state_message(seq, 1, 60) for seq in range(20)]
+    packed = [frame.pack(mav, force_mavlink1=seq % 2 == 0) for seq, frame in enumerate(frames)]
+    log = write(tmp_path / "flight.tlog", *packed)
+    arguments = ["convert", str(log), "-o", str(out), "--unknown", "table", "--format", format]
+    assert cli.main(arguments) == 0
+    assert capsys.readouterr().err == ""
+    saved = out / "mavwire.unknown" / f"flight.{format}"
+    again = ["convert", "--from-unknown", str(saved), "-o", str(later)]
+    assert cli.main(again) == 0
+    assert "of id 180 with CRC_EXTRA" in capsys.readouterr().err
+    assert cli.main([*again, "--dialect", str(dialect)]) == 0
+    (row,) = json.loads((later / MANIFEST).read_text())["logs"]
+    assert row["files"] == {f"VENDOR_STATE/flight.{format}.parquet": 17}
+    table = pq.read_table(later / "VENDOR_STATE" / f"flight.{format}.parquet").to_pylist()
+    assert [row["number"] for row in table] == [*range(3, 20)]
+    assert {(row["sysid"], row["compid"]) for row in table} == {(7, 8)}
+    assert table[0]["timestamp"].microsecond == 3
+    assert cli.main(["convert", "--from-unknown", str(log), "-o", str(later)]) == 1
+    assert f"{log}: " in capsys.readouterr().err

@@ -52,6 +52,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: null with --units si and for mcap, else keep)",
     )
     parser.add_argument(
+        "--unknown",
+        choices=["table", "ignore"],
+        help="messages that the dialect does not define: table: write them as mavwire.unknown; "
+        "ignore: say nothing (default: say how many)",
+    )
+    parser.add_argument(
+        "--from-unknown",
+        action="store_true",
+        help="read tables mavwire.unknown of an earlier run, with a dialect that defines more",
+    )
+    parser.add_argument(
         "--csv-safe",
         action=argparse.BooleanOptionalAction,
         default=True,
@@ -68,7 +79,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read, or none describes a wanted type."""
     if args.workers is not None and args.workers < 1:
         raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
-    given = ("format", "compression", "units", "enums", "invalid", "csv_safe", "dialect")
+    given = ("format", "compression", "units", "enums", "invalid", "unknown", "csv_safe", "dialect")
     options = {
         **{name: getattr(args, name) for name in given},
         "types": split(args.types, "--types"),
@@ -94,7 +105,7 @@ def main(args: argparse.Namespace) -> int:
             failed += not row.skipped  # what is damaged is damaged for ever
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
             tell(f"mavwire convert: {row.path}: {row.error}{hint}")
-        if row.unknown and not row.skipped:
+        if row.unknown and not row.skipped and args.unknown is None:
             tell(f"mavwire convert: {row.path}: left out {unknown_text(row.unknown)}")
         nothing = not row.files and (row.error is not None or undescribed)
         if not args.quiet and not nothing:
@@ -140,9 +151,16 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bar: Progress) -
     if not _is_fleet(args):
         from mavwire.logs.conversion import convert
 
-        return convert(
-            args.logs, args.out, progress=lambda log, done: bar.update(done, log), **options
-        )
+        with refused(ImportError):
+            return convert(
+                args.logs,
+                args.out,
+                progress=lambda log, done: bar.update(done, log),
+                from_unknown=args.from_unknown,
+                **options,
+            )
+    if args.from_unknown:
+        raise CommandError("--from-unknown: not with --workers and --scheduler")
     from mavwire import fleet
 
     try:

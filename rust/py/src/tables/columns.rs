@@ -55,6 +55,8 @@ pub(crate) struct Query {
     pub(crate) csv_safe: bool,
     /// Texts for the schemas of MCAP files.
     pub(crate) descriptions: Option<Descriptions>,
+    /// Messages that the dialect does not define become a table.
+    unknown_table: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
@@ -117,7 +119,7 @@ impl Query {
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
             ..Limits::NONE
         };
-        Plan { wanted, options: self.options(), limits, size }
+        Plan { wanted, options: self.options(), limits, unknown_table: self.unknown_table, size }
     }
 
     /// A reader of a telemetry log, for use without the interpreter.

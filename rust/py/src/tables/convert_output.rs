@@ -10,6 +10,8 @@ use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::mcap::{Descriptions, McapSink};
 use mavwire_columns::reader::Batch;
+use mavwire_columns::scan::UNKNOWN;
+use mavwire_columns::unknown_table;
 use mavwire_io::files::{Draft, commit_all};
 use pyo3::prelude::*;
 
@@ -113,7 +115,11 @@ impl Tables {
             if files == self.limit {
                 return Err(Error::TooManyFiles(self.limit));
             }
-            let path = self.folder.join(folder_of(&batch.message)).join(&self.file);
+            let folder = match batch.index {
+                UNKNOWN => unknown_table::NAME.to_owned(),
+                _ => folder_of(&batch.message),
+            };
+            let path = self.folder.join(folder).join(&self.file);
             let draft = Draft::create(&path)?;
             let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
             missing.insert((path, sink));
