@@ -84,8 +84,8 @@ class Texts:
             files = (
                 [file] if file.is_file() else [folder / "all.xml", *sorted(folder.glob("*.xml"))]
             )
-            if parts := [found for one in files if (found := _read(one)) is not None]:
-                return _united(parts)
+            if found := _read(files):
+                return found
         return None
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
@@ -111,21 +111,24 @@ class Texts:
         return texts
 
 
-def _read(file: Path) -> dict[str, Any] | None:
+def _read(files: list[Path]) -> dict[str, Any]:
+    """The descriptions of several files with those that they include. The first ones count."""
     from mavwire._native import describe
     from mavwire.dialects import _sources
 
-    try:
-        return describe(*_sources.collect(file, None))
-    except (OSError, ValueError):  # unreadable, too large, or no definitions
-        return None
-
-
-def _united(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    """The descriptions of several files. Those of the first ones count."""
-    whole: dict[str, Any] = {"messages": {}, "enums": {}}
-    for part in parts:
-        whole["messages"] = part["messages"] | whole["messages"]
+    whole: dict[str, Any] = {}
+    seen: set[str] = set()
+    for file in files:
+        if file.stem in seen:
+            continue
+        try:
+            main, sources = _sources.collect(file, None)
+            part = describe(main, sources)
+        except (OSError, ValueError):  # unreadable, too large, or no definitions
+            continue
+        seen |= sources.keys()
+        enums = whole.get("enums", {})
         for enum, entries in part["enums"].items():
-            whole["enums"][enum] = entries | whole["enums"].get(enum, {})
+            enums[enum] = entries | enums.get(enum, {})
+        whole = {"messages": part["messages"] | whole.get("messages", {}), "enums": enums}
     return whole

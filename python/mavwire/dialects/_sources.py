@@ -71,7 +71,9 @@ def _add_includes(folder: Path, text: str, sources: dict[str, str]) -> None:
 
 
 def includes(text: str) -> list[str]:
-    """The paths that a definition file includes."""
+    """The paths that a definition file includes. A comment includes nothing."""
+    first, *others = text.split("<!--")
+    text = "".join([first, *(one.partition("-->")[2] for one in others)])
     found = (include.strip() for include in _INCLUDE.findall(text))
     return [include for include in found if include]
 

@@ -146,8 +146,10 @@ def test_a_folder_without_definitions_is_refused(
 
 def test_includes_are_found_however_they_are_spaced(tmp_path: Path) -> None:
     folder = _folder(tmp_path, "part", XML.format(id=150))
+    (folder / "none.xml").write_text("<mavlink/>")
     (folder / "main.xml").write_text(
-        "<mavlink><include >\n  part.xml\t</include ><include> </include></mavlink>"
+        "<mavlink><include >\n  part.xml\t</include ><include> </include>"
+        "<!-- <include>none.xml</include> --></mavlink>"
     )
     main, sources = _sources.collect(folder / "main.xml", None)
     assert (main, sorted(sources)) == ("main", ["main", "part"])
