@@ -7,6 +7,7 @@ import json
 import lzma
 import sys
 import tarfile
+import tomllib
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from urllib import request
 
 import pytest
 from mavwire import cli, dialects
-from mavwire._native import Dialect
+from mavwire._native import Dialect, definition_sources
 from mavwire.cli._errors import CommandError
 from mavwire.cli.dev import _definition_fetch
 from mavwire.dialects import _installed
@@ -66,7 +67,8 @@ def test_a_newer_set_is_the_dialect_upstream(
     assert cli.main(["definitions"]) == 0
     printed = capsys.readouterr().out
     assert f"upstream: built in and {tmp_path / 'mavlink-master'}, files up to 20" in printed
-    assert "mavlink/mavlink de1e078a3a7c (2026-07-22)" in printed
+    pin = tomllib.loads(definition_sources())["mavlink/mavlink"]
+    assert f"mavlink/mavlink {pin['revision'][:12]} ({pin['date']})" in printed
 
 
 def test_logs_are_read_with_the_newer_set(data_home: Path, tmp_path: Path) -> None:
