@@ -30,15 +30,13 @@ def fetch(source: str) -> tuple[dict[str, str], date | None]:
     """The texts of a folder, file, archive or https address by base name, and the day of the newest file. CommandError,
     OSError or DefinitionError says why there are none.
     """
-    if source.endswith(".xml") and "://" not in source:
-        return _sources.collect(source, None)[1], _changed(Path(source))
+    if os.path.isdir(source):
+        paths = definition_files(Path(source))
+        return {path.stem: _sources.read_text(path) for path in paths}, max(map(_changed, paths))
     if "://" in source:
         files = _downloaded(source)
-    elif os.path.isdir(source):
-        files = {
-            str(path): (path.read_bytes(), _changed(path))
-            for path in definition_files(Path(source))
-        }
+    elif source.endswith(".xml"):
+        return _sources.collect(source, None)[1], _changed(Path(source))
     else:
         with open(source, "rb") as file:
             files = _unpacked(file, source)
