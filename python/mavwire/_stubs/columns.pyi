@@ -40,11 +40,6 @@ _Log: TypeAlias = (
 """A file; the bytes of one from the first to one that is not meant any more; the same of a telemetry
 log, and whether its records have time stamps; the bytes of a log."""
 
-_Progress: TypeAlias = tuple[int, int, str | None, dict[tuple[int, int] | None, int]]
-"""Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage
-of a compressed file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under
-None those that are not listed."""
-
 @final
 class LogColumns:
     """One pass over a telemetry log or raw stream, an iterator of tables."""
@@ -54,7 +49,11 @@ class LogColumns:
     def __next__(self) -> list[tuple[str, RecordBatches]]:
         """What is ready after another block of the log: message names and tables, perhaps none."""
 
-    def progress(self) -> _Progress: ...
+    def progress(self) -> tuple[int, int, str | None, dict[tuple[int, int] | None, int]]:
+        """Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the
+        damage of a compressed file; `{(message id, CRC_EXTRA): messages}` that the dialect does not
+        define, under None those that are not listed.
+        """
 
 @final
 class RecordBatches:
@@ -150,8 +149,7 @@ class Converter:
 
     def __new__(
         cls,
-        log: _Log,
-        dialect: Dialect,
+        log: LogColumns,
         query: Selection,
         folder: str | PathLike[str],
         file: str,
@@ -166,8 +164,6 @@ class Converter:
 
     def abandon(self) -> None:
         """Removes what was written and not committed."""
-
-    def progress(self) -> _Progress: ...
 
 @final
 class DataflashTables:
@@ -201,16 +197,6 @@ class DataflashTables:
 
     def columns(self, query: Selection) -> LogColumns:
         """One run over the log, giving tables."""
-
-    def convert(
-        self,
-        query: Selection,
-        folder: str | PathLike[str],
-        file: str,
-        format: str,
-        compression: str,
-    ) -> Converter:
-        """One run over the log, writing `folder/TYPE/file`, or `folder/file` of MCAP."""
 
     def summary(self, gap: int, pulse: Callable[[int], object] | None) -> dict[str, Any]:
         """What is in the log; `gap` in microseconds. See `mavwire.logs.summary`."""

@@ -15,6 +15,7 @@ import os
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
+from mavwire._native import Converter
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
 from mavwire.dialects._descriptions import of_messages
@@ -34,7 +35,7 @@ from .reading import (
     paths_of,
 )
 from .selection import Selection, separate_fields
-from .sources import check_run, file_status, open_converter
+from .sources import check_run, columns_from, file_status, open_dataflash
 from .staging import remove_left
 from .store import Store
 from .unknown import log_of_table, named
@@ -233,22 +234,14 @@ class Job:
         file = row.name + FORMATS[self.format]
         if self.format in TEXTS:
             file += TEXT_SUFFIXES.get(self.compression, "")
-        converter = open_converter(
-            source,
-            row.path,
-            self.native,
-            self.selection,
-            self.out,
-            file,
-            self.format,
-            self.compression,
-        )
+        log = columns_from(open_dataflash(source, row.path), source, self.native, self.selection)
+        converter = Converter(log, self.selection, self.out, file, self.format, self.compression)
         try:
             while converter.step():
-                position = converter.progress()[0]
+                position = log.progress()[0]
                 if self.progress is not None and row.size:
                     self.progress(row.path, min(100.0, 100.0 * position / row.size))
-            position, row.bad_bytes, row.error, unknown = converter.progress()
+            position, row.bad_bytes, row.error, unknown = log.progress()
             check_run(source, row.path, position, row.bad_bytes, row.error)
             row.unknown = named(unknown)
             for written, rows in converter.commit():

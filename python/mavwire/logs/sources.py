@@ -6,7 +6,7 @@ import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import Converter, DataflashTables, LogColumns, LogKind, decompress, identify
+from mavwire._native import DataflashTables, LogColumns, LogKind, decompress, identify
 from mavwire._text import naming
 from mavwire.links.recognise import DATAFLASH
 
@@ -77,25 +77,6 @@ def columns_from(
         return LogColumns(source, native, query)
     query.check_dataflash()
     return tables.columns(query)
-
-
-def open_converter(
-    source: Source,
-    path: str,
-    native: Any,
-    query: Selection,
-    out: str,
-    file: str,
-    format: str,
-    compression: str,
-) -> Converter:
-    """A run over a log, writing `out/TYPE/file`; ValueError as by `columns_from`."""
-    tables = open_dataflash(source, path)
-    if tables is None:
-        query.check_telemetry()
-        return Converter(source, native, query, out, file, format, compression)
-    query.check_dataflash()
-    return tables.convert(query, out, file, format, compression)
 
 
 def file_status(path: str) -> tuple[int, int]:

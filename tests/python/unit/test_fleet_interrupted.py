@@ -229,11 +229,11 @@ def test_a_file_that_cannot_be_written_is_called_as_it_would_be(
     """Another one, beside those that are not complete, is called as it is."""
     names = []
 
-    def refuse(source, path, native, query, out, file, format, compression):
+    def refuse(log, query, out, file, format, compression):
         names.append(f"{out}{beside}/ATTITUDE/{file}")
         raise OSError(errno.ENOSPC, "No space left on device", names[0])
 
-    monkeypatch.setattr("mavwire.logs.conversion.open_converter", refuse)
+    monkeypatch.setattr("mavwire.logs.conversion.Converter", refuse)
     (row,) = convert_fleet(mixed, tmp_path / "out", inside, types=TYPES)
     table = names[0] if beside else tmp_path / "out" / "ATTITUDE" / "mixed.parquet"
     assert row.error == f"{table}: No space left on device"

@@ -179,7 +179,7 @@ impl LogColumns {
         Ok(batches)
     }
 
-    fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
+    pub(crate) fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
         read(&mut **self.reader.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -211,21 +211,19 @@ impl LogColumns {
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 
-    /// See [`Progress`].
-    fn progress(&self, py: Python<'_>) -> Progress {
-        py.detach(|| self.with(|reader| progress_of(reader)))
+    /// Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage of a compressed
+    /// file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under `None` those that are not listed.
+    fn progress(&self, py: Python<'_>) -> (u64, u64, Option<String>, UnknownById) {
+        let progress = |reader: &mut dyn Decode| {
+            let unknown = unknown_of_log(&reader.unknown());
+            let damage = reader.damage().map(str::to_owned);
+            (reader.position(), reader.bad_bytes(), damage, unknown)
+        };
+        py.detach(|| self.with(progress))
     }
 }
 
-/// Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage of a compressed
-/// file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under `None` those that are not listed.
-pub(crate) type Progress = (u64, u64, Option<String>, UnknownById);
 pub(crate) type UnknownById = BTreeMap<Option<(u32, u8)>, u64>;
-
-pub(crate) fn progress_of(reader: &dyn Decode) -> Progress {
-    let (damage, unknown) = (reader.damage().map(str::to_owned), unknown_of_log(&reader.unknown()));
-    (reader.position(), reader.bad_bytes(), damage, unknown)
-}
 
 /// The counts of a bridge or a log.
 pub(crate) fn unknown_counts<C>(

@@ -15,11 +15,9 @@ use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::dialect::registry::Dialect;
 use crate::python::error::Result;
-use crate::tables::columns::{Progress, Query, bytes_of, progress_of};
+use crate::tables::columns::{LogColumns, Query, bytes_of};
 use crate::tables::convert_output::Output;
-use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
 
 fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
@@ -51,28 +49,8 @@ fn check(takes: bool, format: &str, compression: &str) -> PyResult<()> {
     Err(PyValueError::new_err(format!("{format} cannot be compressed with {compression}")))
 }
 
-/// What a log becomes.
-fn output(
-    folder: PathBuf,
-    file: String,
-    format: &str,
-    compression: &str,
-    query: &Query,
-) -> PyResult<Output> {
-    let how = compression_of(compression)?;
-    if format == "mcap" {
-        check(mcap::takes(how), format, compression)?;
-        let descriptions = query.descriptions.clone().unwrap_or_default();
-        return Ok(Output::mcap(folder.join(file), how, descriptions));
-    }
-    let kind = format_of(format, query.csv_safe)?;
-    check(kind.takes(how), format, compression)?;
-    Ok(Output::tables(folder, file, kind, how, query.names.is_some()))
-}
-
-/// A log, and the files that become of it.
+/// The files that become of a log.
 struct Work {
-    reader: Box<dyn Decode>,
     output: Output,
     /// What was read and is not written.
     batches: Vec<Batch>,
@@ -81,8 +59,8 @@ struct Work {
 
 impl Work {
     /// Writes what was read, while more of the log is; false at its end.
-    fn step(&mut self) -> Result<bool, Error> {
-        let Self { reader, output, batches, .. } = self;
+    fn step(&mut self, reader: &mut dyn Decode) -> Result<bool, Error> {
+        let Self { output, batches, .. } = self;
         // Even in a raw stream all rows of a batch may have times.
         if matches!(output, Output::Mcap { .. }) && !batches.is_empty() && !reader.has_times() {
             return Err(Error::NoTimes);
@@ -103,29 +81,11 @@ impl Work {
 /// Writes the tables of a log to `folder/MESSAGE/file`, or all of them to `folder/file` where the format is `mcap`.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct Converter {
+    log: Py<LogColumns>,
     work: Mutex<Option<Work>>,
 }
 
 impl Converter {
-    pub(crate) fn new(
-        reader: Box<dyn Decode>,
-        folder: PathBuf,
-        file: String,
-        format: &str,
-        compression: &str,
-        query: &Query,
-    ) -> PyResult<Self> {
-        let output = output(folder, file, format, compression, query)?;
-        Ok(Self {
-            work: Mutex::new(Some(Work {
-                reader,
-                output,
-                batches: Vec::new(),
-                freed: Freed::default(),
-            })),
-        })
-    }
-
     fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {
         take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -134,26 +94,34 @@ impl Converter {
 #[pymethods]
 impl Converter {
     #[new]
-    #[pyo3(signature = (log, dialect, query, folder, file, format, compression))]
-    #[allow(clippy::too_many_arguments)] // one call, made in one place
-    fn open(
-        py: Python<'_>,
-        log: Source,
-        dialect: &Dialect,
+    fn new(
+        log: Py<LogColumns>,
         query: Query,
         folder: PathBuf,
         file: String,
         format: &str,
         compression: &str,
-    ) -> Result<Self> {
-        let reader = py.detach(|| query.open(&log, dialect))?;
-        Ok(Self::new(reader, folder, file, format, compression, &query)?)
+    ) -> PyResult<Self> {
+        let how = compression_of(compression)?;
+        let output = if format == "mcap" {
+            check(mcap::takes(how), format, compression)?;
+            Output::mcap(folder.join(file), how, query.descriptions.unwrap_or_default())
+        } else {
+            let kind = format_of(format, query.csv_safe)?;
+            check(kind.takes(how), format, compression)?;
+            Output::tables(folder, file, kind, how, query.names.is_some())
+        };
+        let work = Work { output, batches: Vec::new(), freed: Freed::default() };
+        Ok(Self { log, work: Mutex::new(Some(work)) })
     }
 
     /// Converts some more blocks of the log; false at its end.
     fn step(&self, py: Python<'_>) -> Result<bool> {
         py.check_signals()?;
-        let step = |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), Work::step);
+        let step = |work: &mut Option<Work>| match work {
+            Some(work) => self.log.get().with(|reader| work.step(reader)),
+            None => Ok(false),
+        };
         Ok(py.detach(|| self.with(step))?)
     }
 
@@ -170,13 +138,6 @@ impl Converter {
     /// Removes what was written.
     fn abandon(&self, py: Python<'_>) {
         py.detach(|| self.with(|work| drop(work.take())));
-    }
-
-    /// The same as of `LogColumns`.
-    fn progress(&self, py: Python<'_>) -> Progress {
-        let progress =
-            |work: &mut Option<Work>| work.as_ref().map(|work| progress_of(&*work.reader));
-        py.detach(|| self.with(progress)).unwrap_or_default()
     }
 }
 

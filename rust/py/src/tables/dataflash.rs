@@ -1,21 +1,17 @@
 //! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
 
 use std::io;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use mavwire_columns::Error;
 use mavwire_columns::dataflash::{self, Form, Survey, Whole, table_layout};
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
-use mavwire_columns::reader::Decode;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::python::error::Result;
 use crate::tables::columns::{LogColumns, Query, Teller, count_row, summary_dict, table};
-use crate::tables::convert::Converter;
 use crate::tables::identify::kind_in;
 use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
@@ -32,13 +28,6 @@ type Tables = Vec<(String, RecordBatches)>;
 
 fn is_dataflash(log: &Source) -> io::Result<bool> {
     Ok(kind_in(log)?.is_dataflash())
-}
-
-impl DataflashTables {
-    fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
-        let (survey, plan) = (Arc::clone(&self.survey), query.plan(None, 0));
-        query.checked(dataflash::reader(survey, &|| self.log.open(), plan)?)
-    }
 }
 
 #[pymethods]
@@ -110,21 +99,9 @@ impl DataflashTables {
 
     /// One run over the log, giving tables.
     fn columns(&self, py: Python<'_>, query: Query) -> Result<LogColumns> {
-        Ok(LogColumns::new(py.detach(|| self.reader(&query))?))
-    }
-
-    /// One run over the log, writing `folder/TYPE/file`.
-    fn convert(
-        &self,
-        py: Python<'_>,
-        query: Query,
-        folder: PathBuf,
-        file: String,
-        format: &str,
-        compression: &str,
-    ) -> Result<Converter> {
-        let reader = py.detach(|| self.reader(&query))?;
-        Ok(Converter::new(reader, folder, file, format, compression, &query)?)
+        let (survey, plan) = (Arc::clone(&self.survey), query.plan(None, 0));
+        let open = || query.checked(dataflash::reader(survey, &|| self.log.open(), plan)?);
+        Ok(LogColumns::new(py.detach(open)?))
     }
 
     /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
