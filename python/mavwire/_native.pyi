@@ -50,7 +50,6 @@ from mavwire._stubs.sending import (
     PortError,
     StreamWriter,
     TlsPort,
-    accept,
     ask_port,
     close_port,
 )
@@ -93,7 +92,6 @@ __all__ = [
     "SystemState",
     "TlsPort",
     "__version__",
-    "accept",
     "add_message",
     "align_tables",
     "ask_port",

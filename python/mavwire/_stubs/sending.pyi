@@ -56,9 +56,6 @@ class PortError(Exception):
 def ask_port(port: Any, name: str, *args: Any) -> Any:
     """`port.name(*args)`; None where it would have to wait. Its own errors come as PortError."""
 
-def accept(listener: Any) -> Any:
-    """The socket of the next client of `listener`; as `accept`, what the system says otherwise."""
-
 def close_port(port: Any) -> None:
     """Closes a port. Where that is an error the system has let go of the descriptor all the same."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import errno
 from time import monotonic, sleep
 
-from mavwire._native import accept, close_port
+from mavwire._native import close_port
 
 from . import Any
 from .readiness import from_handler, wait_readable
@@ -60,7 +60,7 @@ class OneClientLink(StreamLink):
         """The socket of a waiting client, or None."""
         self._is_refusing = False
         try:
-            port = accept(self.listen)
+            port, _ = self.listen.accept()
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:

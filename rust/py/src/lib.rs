@@ -81,8 +81,6 @@ mod _native {
     #[pymodule_export]
     use crate::message::object::Message;
     #[pymodule_export]
-    use crate::port::accept::accept;
-    #[pymodule_export]
     use crate::port::peers::peer_to_replace;
     #[pymodule_export]
     use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};

@@ -1,6 +1,5 @@
 //! Ports of the operating system as links use them.
 
-pub(crate) mod accept;
 pub(crate) mod answer;
 pub(crate) mod close_port;
 pub(crate) mod peers;

@@ -228,6 +228,10 @@ def test_keys_that_go_lose_no_interrupts(interrupted: Any) -> None:
     interrupted(lambda: signing._set_up(all_messages.MAVLinkSigning(), arguments))
 
 
+def descriptors() -> int:
+    return len(os.listdir("/proc/self/fd"))
+
+
 @pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="counts descriptors")
 def test_no_timestamp_store_is_left_open_by_interrupts(interrupted: Any, tmp_path: Path) -> None:
     store, numbers = TimestampStore(tmp_path / "store"), count(1)
@@ -350,36 +354,6 @@ def test_closing_a_log_maps_no_file_that_nobody_asked_for(
     monkeypatch.setattr("mmap.mmap", interrupted)
     log.close()
     assert log.f.closed
-
-
-def descriptors() -> int:
-    return len(os.listdir("/proc/self/fd"))
-
-
-@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="counts descriptors")
-def test_a_client_whose_accept_is_interrupted_is_not_left_connected(interrupted: Any) -> None:
-    """It hears an end, or is served."""
-    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
-    address = (b"127.0.0.1", link.listen.getsockname()[1])  # a text is looked up in Python
-    before = descriptors()
-
-    def serve() -> None:
-        while link._somebody_waits() or link.port is not None:
-            link.recv()
-            link._let_go(link.port)
-
-    def act() -> None:
-        serve()
-        with socket.socket() as client:
-            client.connect(address)
-            link.recv()
-
-    interrupted(act)
-    with watched(WAIT):
-        serve()
-    gc.collect()
-    assert descriptors() <= before
-    link.close()
 
 
 class Alarm(Exception):
