@@ -117,9 +117,9 @@ impl TakeIn for Decoder {
         done: f64,
     ) -> Result<Vec<Batch>, Error> {
         self.sort(block, scanned, some);
-        let Self { registry, framing, options, tables, pieces, unknown_table, limits, .. } = self;
+        let Self { registry, options, tables, pieces, unknown_table, limits, .. } = self;
         let new = |index| {
-            let layout = Layout::new(registry, index as u16, *framing, options);
+            let layout = Layout::new(registry, index as u16, options);
             let fields = TextFields::of(registry.message(index as u16));
             let fields = fields.filter(|_| !options.text_parts);
             TableBuilder::new(Arc::new(layout)).with_long_texts(fields)

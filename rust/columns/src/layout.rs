@@ -13,7 +13,6 @@ use mavwire_schema::{Dialect, Enum, Field, FieldType, InvalidRule, Message};
 
 use crate::enums::{Names, mask_len};
 use crate::error::Error;
-use crate::scan::Framing;
 use crate::units::{Scale, to_si};
 
 /// The columns in front of the fields, which say where a row came from and not what was measured.
@@ -86,8 +85,8 @@ impl Source {
 /// A column.
 #[derive(Debug, Clone)]
 pub struct Column {
-    /// Name, unique in its table.
-    pub name: String,
+    /// Its name, which is unique in its table, and its type and metadata.
+    pub field: ArrowField,
     /// What it holds.
     pub source: Source,
     /// What makes its values SI.
@@ -103,38 +102,38 @@ pub struct Column {
 pub struct Layout {
     /// Name of the message.
     pub message: String,
-    /// Payload bytes of the message.
-    pub max_len: usize,
     /// In order.
     pub columns: Vec<Column>,
     /// The same for arrow.
     pub schema: SchemaRef,
-    /// Whether records have a time.
-    pub framing: Framing,
 }
 
 impl Layout {
     /// The columns of the message with an index in the registry.
-    pub fn new(registry: &Registry, index: u16, framing: Framing, options: &Options) -> Self {
+    pub fn new(registry: &Registry, index: u16, options: &Options) -> Self {
         let message = registry.message(index);
         let mut columns = all_columns(message, registry.dialect(), options);
         if options.columns.is_some() {
-            columns.retain(|(column, _)| options.place(&column.name).is_some());
-            columns.sort_by_key(|(column, _)| options.place(&column.name));
+            columns.retain(|column| options.place(column.name()).is_some());
+            columns.sort_by_key(|column| options.place(column.name()));
         }
-        let metadata = HashMap::from([
-            ("message".to_owned(), message.name.clone()),
-            ("msgid".to_owned(), message.id.to_string()),
-            ("dialect".to_owned(), registry.dialect().name.clone()),
-        ]);
-        let (columns, fields): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-        Self {
-            message: message.name.clone(),
-            max_len: message.max_len.into(),
-            columns,
-            schema: Arc::new(Schema::new_with_metadata(fields, metadata)),
-            framing,
-        }
+        let told =
+            [("msgid", message.id.to_string()), ("dialect", registry.dialect().name.clone())];
+        Self::of(message.name.clone(), columns, told)
+    }
+
+    /// These columns of a type, and metadata beside its name.
+    pub(crate) fn of<const N: usize>(
+        message: String,
+        columns: Vec<Column>,
+        told: [(&str, String); N],
+    ) -> Self {
+        let told = told.into_iter().map(|(key, value)| (key.to_owned(), value));
+        let mut metadata: HashMap<_, _> = told.collect();
+        metadata.insert("message".to_owned(), message.clone());
+        let fields: Vec<_> = columns.iter().map(|column| column.field.clone()).collect();
+        let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
+        Self { message, columns, schema }
     }
 
     /// Checks that each of the columns is there.
@@ -144,7 +143,7 @@ impl Layout {
     pub fn check(registry: &Registry, index: u16, columns: &[String]) -> Result<(), Error> {
         let message = registry.message(index);
         let known = all_columns(message, registry.dialect(), &Options::default());
-        let missing = |column: &&String| known.iter().all(|(one, _)| one.name != **column);
+        let missing = |column: &&String| known.iter().all(|one| one.name() != **column);
         match columns.iter().find(missing) {
             None => Ok(()),
             Some(column) => {
@@ -154,27 +153,70 @@ impl Layout {
     }
 }
 
-pub(crate) fn plain(name: &str, source: Source, data_type: DataType) -> (Column, ArrowField) {
-    let nullable = source == Source::Timestamp;
-    let field = ArrowField::new(name, data_type, nullable);
-    (Column { name: name.to_owned(), source, scale: None, names: None, invalid: None }, field)
+impl Column {
+    pub(crate) fn new(name: &str, source: Source, data_type: DataType) -> Self {
+        let nullable = source == Source::Timestamp;
+        let field = ArrowField::new(name, data_type, nullable);
+        Self { field, source, scale: None, names: None, invalid: None }
+    }
+
+    /// The times of records.
+    pub(crate) fn timestamp() -> Self {
+        let time = DataType::Timestamp(TimeUnit::Microsecond, Some("UTC".into()));
+        Self::new("timestamp", Source::Timestamp, time)
+    }
+
+    /// The numbers of a field.
+    pub(crate) fn numbers(
+        name: &str,
+        field: &Field,
+        scale: Option<Scale>,
+        names: Option<Names>,
+        invalid: Option<InvalidRule>,
+    ) -> Self {
+        let element = if names.is_some() {
+            DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
+        } else if scale.is_some() {
+            DataType::Float64
+        } else {
+            element_type(field.field_type)
+        };
+        let nullable = invalid.is_some();
+        let data_type = if field.is_numeric_array() {
+            let item = Arc::new(ArrowField::new("item", element, nullable));
+            DataType::FixedSizeList(item, field.array_length.into())
+        } else {
+            element
+        };
+        let source = Source::Numbers(field.clone());
+        let field = ArrowField::new(name, data_type, nullable);
+        Self { field, source, scale, names, invalid }
+    }
+
+    pub(crate) fn with_metadata(mut self, metadata: HashMap<String, String>) -> Self {
+        self.field.set_metadata(metadata);
+        self
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.field.name()
+    }
+
+    /// Says that its values tell apart what the messages of one type are about.
+    pub(crate) fn mark_instance(&mut self) {
+        let mut metadata = self.field.metadata().clone();
+        metadata.insert("instance".to_owned(), "true".to_owned());
+        self.field.set_metadata(metadata);
+    }
 }
 
-/// The type of `timestamp`.
-pub(crate) fn time() -> DataType {
-    DataType::Timestamp(TimeUnit::Microsecond, Some("UTC".into()))
-}
-
-fn all_columns(
-    message: &Message,
-    dialect: &Dialect,
-    options: &Options,
-) -> Vec<(Column, ArrowField)> {
+fn all_columns(message: &Message, dialect: &Dialect, options: &Options) -> Vec<Column> {
     let mut columns = vec![
-        plain("timestamp", Source::Timestamp, time()),
-        plain("sysid", Source::Sysid, DataType::UInt8),
-        plain("compid", Source::Compid, DataType::UInt8),
-        plain("seq", Source::Seq, DataType::UInt8),
+        Column::timestamp(),
+        Column::new("sysid", Source::Sysid, DataType::UInt8),
+        Column::new("compid", Source::Compid, DataType::UInt8),
+        Column::new("seq", Source::Seq, DataType::UInt8),
     ];
     columns.reserve_exact(message.fields.len());
     for (index, field) in message.fields.iter().enumerate() {
@@ -182,51 +224,30 @@ fn all_columns(
         let name = unique(&columns, field.name.clone());
         if field.is_char() {
             let raw = unique(&columns, format!("{name}_raw"));
-            columns.push(text(field, &name));
-            columns.push(raw_text(field, &raw));
+            let text = Column::new(&name, Source::Text(field.clone()), DataType::Utf8);
+            columns.push(text.with_metadata(metadata(field, None)));
+            let mut raw = Column::new(&raw, Source::RawText(field.clone()), DataType::Binary);
+            raw.field.set_nullable(true);
+            columns.push(raw.with_metadata(metadata(field, None)));
         } else {
             columns.push(numbers(field, &name, dialect, options));
         }
         if message.instance_field.map(usize::from) == Some(index) {
-            for (_, arrow) in &mut columns[first..] {
-                mark_instance(arrow);
-            }
+            columns[first..].iter_mut().for_each(Column::mark_instance);
         }
     }
     columns
 }
 
 /// The name with as many underscores behind it as no column has.
-fn unique(columns: &[(Column, ArrowField)], mut name: String) -> String {
-    while columns.iter().any(|(column, _)| column.name == name) {
+fn unique(columns: &[Column], mut name: String) -> String {
+    while columns.iter().any(|column| column.name() == name) {
         name.push('_');
     }
     name
 }
 
-/// Says of a column that its values tell apart what the messages of one type are about.
-pub(crate) fn mark_instance(arrow: &mut ArrowField) {
-    let mut metadata = arrow.metadata().clone();
-    metadata.insert("instance".to_owned(), "true".to_owned());
-    arrow.set_metadata(metadata);
-}
-
-fn text(field: &Field, name: &str) -> (Column, ArrowField) {
-    let (column, arrow) = plain(name, Source::Text(field.clone()), DataType::Utf8);
-    (column, arrow.with_metadata(metadata(field, None)))
-}
-
-fn raw_text(field: &Field, name: &str) -> (Column, ArrowField) {
-    let (column, arrow) = plain(name, Source::RawText(field.clone()), DataType::Binary);
-    (column, arrow.with_nullable(true).with_metadata(metadata(field, None)))
-}
-
-fn numbers(
-    field: &Field,
-    name: &str,
-    dialect: &Dialect,
-    options: &Options,
-) -> (Column, ArrowField) {
+fn numbers(field: &Field, name: &str, dialect: &Dialect, options: &Options) -> Column {
     let definition = options.enum_names.then(|| enum_of(field, dialect)).flatten();
     let names = definition.map(|definition| Names::new(definition, is_bitmask(field)));
     let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
@@ -235,38 +256,7 @@ fn numbers(
         Invalid::Null => InvalidRule::of(field, &dialect.enums),
         Invalid::Keep => None,
     };
-    let (mut column, arrow) = numbers_of(field, scale, names, invalid, metadata(field, si));
-    name.clone_into(&mut column.name);
-    (column, arrow.with_name(name))
-}
-
-/// A column of the numbers of a field, without a name as yet.
-pub(crate) fn numbers_of(
-    field: &Field,
-    scale: Option<Scale>,
-    names: Option<Names>,
-    invalid: Option<InvalidRule>,
-    metadata: HashMap<String, String>,
-) -> (Column, ArrowField) {
-    let element = if names.is_some() {
-        DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
-    } else if scale.is_some() {
-        DataType::Float64
-    } else {
-        element_type(field.field_type)
-    };
-    let data_type = if field.is_numeric_array() {
-        let item = Arc::new(ArrowField::new("item", element, invalid.is_some()));
-        DataType::FixedSizeList(item, field.array_length.into())
-    } else {
-        element
-    };
-    let (mut column, arrow) = plain("", Source::Numbers(field.clone()), data_type);
-    column.scale = scale;
-    column.names = names;
-    let arrow = arrow.with_nullable(invalid.is_some()).with_metadata(metadata);
-    column.invalid = invalid;
-    (column, arrow)
+    Column::numbers(name, field, scale, names, invalid).with_metadata(metadata(field, si))
 }
 
 fn enum_of<'a>(field: &Field, dialect: &'a Dialect) -> Option<&'a Enum> {

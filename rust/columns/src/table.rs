@@ -205,20 +205,10 @@ impl TableBuilder {
 mod tests {
     use super::*;
     use crate::layout::Column;
-    use crate::scan::Framing;
-    use arrow::datatypes::Schema;
 
     #[test]
     fn no_more_room_is_made_ahead_than_is_allowed() {
-        let (name, source) = ("timestamp".to_owned(), Source::Timestamp);
-        let column = Column { name, source, scale: None, names: None, invalid: None };
-        let layout = Layout {
-            message: String::new(),
-            max_len: 0,
-            framing: Framing::Stamped,
-            columns: vec![column],
-            schema: Arc::new(Schema::empty()),
-        };
+        let layout = Layout::of(String::new(), vec![Column::timestamp()], []);
         let mut table = TableBuilder::new(Arc::new(layout));
         let expected = Expected { growth: 1e6, ahead: 800, rows: 65_536, bytes: 1 << 30 };
         table.reserve(20, &expected);
@@ -230,9 +220,7 @@ mod tests {
 
     #[test]
     fn a_table_is_full_before_the_rows_of_another_block_are_too_many() {
-        let (columns, schema) = (Vec::new(), Arc::new(Schema::empty()));
-        let (message, framing) = (String::new(), Framing::Raw);
-        let layout = Layout { message, max_len: 0, framing, columns, schema };
+        let layout = Layout::of(String::new(), Vec::new(), []);
         let mut table = TableBuilder::new(Arc::new(layout));
         let mut full = Vec::new();
         let expected = Expected { growth: 1.0, ahead: usize::MAX, rows: 70, bytes: usize::MAX };

@@ -7,16 +7,12 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use arrow::datatypes::{DataType, Field as ArrowField, Schema};
+use arrow::datatypes::DataType;
 use mavwire_core::log::dataflash::{ARRAY_LEN, Field as LogField, FieldKind, Layout as LogLayout};
 use mavwire_schema::{Field, FieldType};
 
 use super::survey::{Form, Survey};
-use crate::layout::metadata;
-use crate::layout::{
-    Column, HEADER, Layout, Options, Source, mark_instance, numbers_of, plain, time,
-};
-use crate::scan::Framing;
+use crate::layout::{Column, HEADER, Layout, Options, Source, metadata};
 use crate::units::{Scale, to_si};
 
 /// The columns of a table, and where each layout has them.
@@ -60,7 +56,7 @@ impl Places {
 
 /// The columns of the table with an index.
 pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLayout {
-    let mut columns = vec![plain("timestamp", Source::Timestamp, time())];
+    let mut columns = vec![Column::timestamp()];
     let mut taken: HashSet<String> = HEADER.iter().map(|&name| name.to_owned()).collect();
     let layouts: Vec<_> = survey.layouts_of(table).collect();
     let mut places = HashMap::new();
@@ -74,11 +70,11 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
             let same = known.iter().copied().find(|&place| {
                 of_layout.fields[place].is_none() && is_same(&columns[place], &made, &field.name)
             });
-            of_layout.sources.push(made.0.source.clone());
+            of_layout.sources.push(made.source.clone());
             let place = same.unwrap_or_else(|| {
                 let name = free_name(&field.name, known.len(), &mut taken);
-                made.0.name.clone_from(&name);
-                columns.push((made.0, made.1.with_name(name)));
+                made.field.set_name(name);
+                columns.push(made);
                 of_layout.fields.push(None);
                 known.push(columns.len() - 1);
                 columns.len() - 1
@@ -89,20 +85,10 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     }
     choose(&mut columns, &mut places, options);
     let always = matches!(survey.form, Form::Binary(_)) && layouts.len() == 1;
-    let (columns, fields): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let nullable = |field: &ArrowField| field.is_nullable() || !always;
-    let fields: Vec<_> = fields
-        .into_iter()
-        .map(|f| {
-            let null = nullable(&f);
-            f.with_nullable(null)
-        })
-        .collect();
-    let name = survey.tables[table].to_string();
-    let metadata = HashMap::from([("message".to_owned(), name.clone())]);
-    let framing = if survey.clock.is_some() { Framing::Stamped } else { Framing::Raw };
-    let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
-    let layout = Layout { message: name, max_len: 0, columns, schema, framing };
+    for column in columns.iter_mut().filter(|_| !always) {
+        column.field.set_nullable(true);
+    }
+    let layout = Layout::of(survey.tables[table].to_string(), columns, []);
     TableLayout { layout: Arc::new(layout), places }
 }
 
@@ -117,11 +103,7 @@ fn free_name(field: &str, already: usize, taken: &mut HashSet<String>) -> String
 }
 
 /// Leaves the columns that are wanted, in the order in which they are.
-fn choose(
-    columns: &mut Vec<(Column, ArrowField)>,
-    places: &mut HashMap<u16, Places>,
-    options: &Options,
-) {
+fn choose(columns: &mut Vec<Column>, places: &mut HashMap<u16, Places>, options: &Options) {
     for of_layout in places.values_mut() {
         of_layout.fields.resize(columns.len(), None);
     }
@@ -130,7 +112,7 @@ fn choose(
     }
     let all = columns.iter().enumerate();
     let mut kept: Vec<_> =
-        all.filter_map(|(from, (column, _))| Some((options.place(&column.name)?, from))).collect();
+        all.filter_map(|(from, column)| Some((options.place(column.name())?, from))).collect();
     kept.sort_unstable();
     for of_layout in places.values_mut() {
         of_layout.fields = kept.iter().map(|&(_, from)| of_layout.fields[from]).collect();
@@ -140,19 +122,14 @@ fn choose(
 }
 
 /// Whether a column of one description can hold a field of another.
-fn is_same(one: &(Column, ArrowField), other: &(Column, ArrowField), name: &str) -> bool {
-    one.1.metadata().get("field").map(String::as_str) == Some(name)
-        && one.1.data_type() == other.1.data_type()
-        && one.0.scale == other.0.scale
-        && one.0.source.is_like(&other.0.source)
+fn is_same(one: &Column, other: &Column, name: &str) -> bool {
+    one.field.metadata().get("field").map(String::as_str) == Some(name)
+        && one.field.data_type() == other.field.data_type()
+        && one.scale == other.scale
+        && one.source.is_like(&other.source)
 }
 
-fn column(
-    survey: &Survey,
-    layout: &LogLayout,
-    number: usize,
-    options: &Options,
-) -> (Column, ArrowField) {
+fn column(survey: &Survey, layout: &LogLayout, number: usize, options: &Options) -> Column {
     let log_field = &layout.fields[number];
     let (unit, multiplier) = unit_of(survey, layout, number);
     let mut field =
@@ -161,17 +138,16 @@ fn column(
     // What is scaled when it is read is measured in the unit itself.
     field.multiplier = multiplier.filter(|_| log_field.kind.scale().is_none());
     let is_text_log = matches!(survey.form, Form::Text(_));
-    let (mut column, mut arrow) = if is_text_log {
+    let mut column = if is_text_log {
         text_log_column(field, log_field, options)
     } else {
         binary_column(field, log_field, layout.name == "FILE", options)
     };
-    column.name.clone_from(&log_field.name);
     // Tables are not split by lists.
     if survey.units.instance_field(layout) == Some(number) && log_field.kind != FieldKind::Array {
-        mark_instance(&mut arrow);
+        column.mark_instance();
     }
-    (column, arrow)
+    column
 }
 
 /// The unit of a field, and its multiplier unless that is 1 or unknown.
@@ -196,16 +172,16 @@ fn binary_column(
     log_field: &LogField,
     raw_bytes: bool,
     options: &Options,
-) -> (Column, ArrowField) {
+) -> Column {
     use FieldKind as K;
     let mut scale = None;
     (field.field_type, field.array_length) = match log_field.kind {
         K::Text(len) => {
             field.array_length = len;
             return if raw_bytes && len == 64 {
-                textual(Source::Bytes(field), DataType::Binary)
+                textual(field, Source::Bytes, DataType::Binary)
             } else {
-                textual(Source::LogText(field), DataType::Utf8)
+                textual(field, Source::LogText, DataType::Utf8)
             };
         }
         K::Array => (FieldType::I16, ARRAY_LEN as u8),
@@ -223,23 +199,19 @@ fn binary_column(
     if log_field.kind.scale().is_some() {
         scale = Some(Scale::down(if log_field.kind == K::Degrees { 1e7 } else { 100.0 }));
     }
-    let (mut column, arrow) = scaled(&field, scale, options);
+    let mut column = scaled(&field, scale, options);
     if log_field.kind == K::F16 {
         column.source = Source::Half(field);
     }
-    (column, arrow)
+    column
 }
 
 /// A text log has names of modes, and numbers with all their digits, scaled already.
-fn text_log_column(
-    mut field: Field,
-    log_field: &LogField,
-    options: &Options,
-) -> (Column, ArrowField) {
+fn text_log_column(mut field: Field, log_field: &LogField, options: &Options) -> Column {
     use FieldKind as K;
     field.field_type = match log_field.kind {
         K::Text(_) | K::Array | K::Mode => {
-            return textual(Source::LogText(field), DataType::Utf8);
+            return textual(field, Source::LogText, DataType::Utf8);
         }
         kind if kind.is_float() => FieldType::F64,
         K::I8 => FieldType::I8,
@@ -254,21 +226,17 @@ fn text_log_column(
     scaled(&field, None, options)
 }
 
-fn textual(source: Source, data_type: DataType) -> (Column, ArrowField) {
-    let field = match &source {
-        Source::LogText(field) | Source::Bytes(field) => metadata(field, None),
-        _ => HashMap::new(),
-    };
-    let (column, arrow) = plain("", source, data_type);
-    (column, arrow.with_metadata(field))
+fn textual(field: Field, source: fn(Field) -> Source, data_type: DataType) -> Column {
+    let (name, metadata) = (field.name.clone(), metadata(&field, None));
+    Column::new(&name, source(field), data_type).with_metadata(metadata)
 }
 
 /// A column of numbers, with the scale of its kind, and what makes them SI if that is wanted.
-fn scaled(field: &Field, scale: Option<Scale>, options: &Options) -> (Column, ArrowField) {
+fn scaled(field: &Field, scale: Option<Scale>, options: &Options) -> Column {
     let si = if options.si { to_si(field) } else { None };
     let both = match (scale, si) {
         (Some(one), Some((other, _))) => Some(one.and(other)),
         (one, other) => one.or(other.map(|(scale, _)| scale)),
     };
-    numbers_of(field, both, None, None, metadata(field, si))
+    Column::numbers(&field.name, field, both, None, None).with_metadata(metadata(field, si))
 }

@@ -9,7 +9,6 @@ use mavwire_columns::input::Steps;
 use mavwire_columns::layout::{Invalid, Layout, Options};
 use mavwire_columns::mcap::Descriptions;
 use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
-use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
 use mavwire_columns::unknown;
@@ -249,7 +248,7 @@ pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> Result
     if let Some(columns) = &query.columns {
         Layout::check(registry, index, columns)?;
     }
-    let layout = Layout::new(registry, index, Framing::Stamped, &query.options());
+    let layout = Layout::new(registry, index, &query.options());
     Ok(RecordBatches::new(layout.schema, Vec::new()))
 }
 

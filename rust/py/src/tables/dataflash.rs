@@ -78,7 +78,7 @@ impl DataflashTables {
     fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = |table| -> Vec<String> {
             let layout = table_layout(&self.survey, table, &Options::default()).layout;
-            layout.columns.iter().map(|column| column.name.clone()).collect()
+            layout.columns.iter().map(|column| column.name().to_owned()).collect()
         };
         let types = PyDict::new(py);
         for (table, name) in self.survey.tables.iter().enumerate() {
