@@ -170,15 +170,12 @@ class DataflashTables:
     """A dataflash log, binary or text, that was gone through once for what it says about itself."""
 
     @staticmethod
-    def open(log: _Log) -> DataflashTables | None:
-        """What a log says about itself; None if it is no dataflash log."""
-
-    @staticmethod
     def read(
-        log: _Log, query: Selection
+        log: _Log, query: Selection | None = None
     ) -> tuple[DataflashTables, list[tuple[str, RecordBatches]] | None] | None:
-        """The same with the tables that `query` asks for; None in their place if they take another
-        run, by `columns`.
+        """What a log says about itself, with the tables that `query` asks for. None if it is no
+        dataflash log. None in place of the tables if there is no query, or they take another run, by
+        `columns`.
         """
 
     @property
@@ -226,12 +223,9 @@ class LogRewrite:
     def abandon(self) -> None:
         """Removes what was written and not committed."""
 
-    def damage(self) -> list[tuple[int, str]]:
-        """The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them."""
-
-    def without_records(self) -> list[tuple[int, str | None]]:
-        """The places of the logs that hold something and no record, and what is wrong with such a
-        compressed file; once all of them were read.
+    def faults(self) -> list[tuple[bool, str | None]]:
+        """Of each log, whether it holds something and no record as far as it was read, and the damage
+        of a compressed file.
         """
 
     def outcome(self) -> dict[str, Any]:

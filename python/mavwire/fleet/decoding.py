@@ -106,10 +106,10 @@ def _described(
     """
     if byte_range is None or not byte_range[0]:
         return open_dataflash(source, path)
-    tables = DataflashTables.open(source)
-    if tables is None or not describes(tables):
+    opened = DataflashTables.read(source)
+    if opened is None or not describes(opened[0]):
         check_divisible(path, storage_options)
-    return tables
+    return None if opened is None else opened[0]
 
 
 def _add_empty(

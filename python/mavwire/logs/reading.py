@@ -308,9 +308,9 @@ def allow_described(paths: list[str], selection: Selection) -> None:
 def described_by(paths: list[str]) -> Iterator[dict[str, list[str]]]:
     """The types that the dataflash logs among some logs describe, and their columns."""
     for path in filter(is_dataflash, paths):
-        tables = DataflashTables.open(path)
-        if tables is not None:
-            yield tables.types()
+        opened = DataflashTables.read(path)
+        if opened is not None:
+            yield opened[0].types()
 
 
 def batches_of(

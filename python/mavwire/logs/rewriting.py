@@ -175,14 +175,13 @@ def _run(
             while rewrite.step():
                 if progress is not None:
                     progress(rewrite.outcome()["bytes"])
-        damages = [
-            f"{paths[place]!r}: {damage}" if is_damage_named else damage
-            for place, damage in rewrite.damage()
-        ]
+        damages = []
+        for path, (is_empty, damage) in zip(paths, rewrite.faults(), strict=True):
+            if damage is not None:
+                damages.append(f"{path!r}: {damage}" if is_damage_named else damage)
+            if is_empty:
+                check_has_records(path, path, damage)
         done = Rewritten(**rewrite.outcome(), damage="; ".join(damages) or None)
-        for place, damage in rewrite.without_records():
-            path = paths[place]
-            check_has_records(path, path, damage)
         rewrite.commit()
     finally:
         rewrite.abandon()

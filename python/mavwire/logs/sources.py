@@ -42,23 +42,20 @@ def open_dataflash(source: Source, path: str) -> DataflashTables | None:
     """The survey of a dataflash log; None for another kind of log. LogFormatError for one that lacks its
     first part, so that nothing describes its records.
     """
-    tables = DataflashTables.open(source)
-    if tables is not None:
-        _check_described(tables, source, path)
-    return tables
+    opened = read_dataflash(source, path)
+    return None if opened is None else opened[0]
 
 
-def read_dataflash(source: Source, path: str, query: Selection) -> Opened | None:
+def read_dataflash(source: Source, path: str, query: Selection | None = None) -> Opened | None:
     """The same with the whole tables that `query` asks for, where one pass gives both."""
     opened = DataflashTables.read(source, query)
-    if opened is not None:
-        _check_described(opened[0], source, path)
-    return opened
-
-
-def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
-    if not describes(tables) and identify(source, unpack=True) is LogKind.HEADERLESS:
+    if (
+        opened is not None
+        and not describes(opened[0])
+        and identify(source, unpack=True) is LogKind.HEADERLESS
+    ):
         raise undescribed(path)
+    return opened
 
 
 def describes(tables: DataflashTables) -> bool:

@@ -201,16 +201,9 @@ impl Blocks {
     ) -> io::Result<(Self, Framing)> {
         match framing {
             Some(framing) => Ok((Self::of_size(source, block), framing)),
-            None => Self::of_size(decompressed(source)?, block).with_framing(registry),
+            None => Self::of_size(decompressed(source)?, block)
+                .with_verdict(|verdict| verdict.framing(registry)),
         }
-    }
-
-    /// Looks at the first bytes to tell how a telemetry log is framed.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn with_framing(self, registry: &Registry) -> io::Result<(Self, Framing)> {
-        self.with_verdict(|verdict| verdict.framing(registry))
     }
 
     /// Lets `look` see what kind of log it is.

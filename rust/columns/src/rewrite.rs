@@ -33,11 +33,6 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether there is something, and no record in it.
-    fn has_no_records(&self, blocks: &Blocks) -> bool {
-        self.records == 0 && (self.bytes > 0 || blocks.damage().is_some())
-    }
-
     /// Adds a block of a log; `in_damage` is whether the block before ended within bytes of no record.
     fn add(&mut self, scanned: &Scanned, in_damage: &mut bool) {
         let goes_on = *in_damage && scanned.bad.first().is_some_and(|range| range.start == 0);
@@ -173,18 +168,12 @@ impl Rewrite {
         self.logs.iter().map(|log| log.outcome).sum()
     }
 
-    /// The places of the logs, which were read to their ends, that hold something and no record, and what is wrong with such
-    /// a compressed file.
-    pub fn without_records(&self) -> Vec<(usize, Option<&str>)> {
-        let logs = self.logs.iter().enumerate();
-        let without_records = logs.filter(|(_, log)| log.outcome.has_no_records(&log.blocks));
-        without_records.map(|(place, log)| (place, log.blocks.damage())).collect()
-    }
-
-    /// The places of the logs whose compressed files are damaged, and what is wrong with them.
-    pub fn damage(&self) -> Vec<(usize, &str)> {
-        let logs = self.logs.iter().enumerate();
-        logs.filter_map(|(place, log)| Some((place, log.blocks.damage()?))).collect()
+    /// Of each log, whether it holds something and no record as far as it was read, and the damage of a compressed file.
+    pub fn faults(&self) -> impl Iterator<Item = (bool, Option<&str>)> {
+        self.logs.iter().map(|log| {
+            let (damage, Outcome { records, bytes, .. }) = (log.blocks.damage(), log.outcome);
+            (records == 0 && (bytes > 0 || damage.is_some()), damage)
+        })
     }
 
     /// Writes what can be ordered until the next block of a log is needed; false at the end.

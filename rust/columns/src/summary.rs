@@ -11,7 +11,7 @@ use mavwire_core::telemetry::{BootClocks, SteadyTime, is_jump_forward};
 use mavwire_schema::WireVersion;
 
 use crate::error::Error;
-use crate::input::Blocks;
+use crate::input::{Blocks, Steps};
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
 use crate::sequence::{Heard, Sequence};
 use crate::unknown::{self, UnknownCounts};
@@ -143,7 +143,7 @@ impl Summary {
         mut pulse: impl FnMut(u64) -> Result<(), E>,
     ) -> Result<Self, E> {
         let (mut blocks, framing) =
-            Blocks::new(source).and_then(|b| b.with_framing(&registry)).map_err(Error::from)?;
+            Blocks::framed(source, None, &registry, Steps::default().block).map_err(Error::from)?;
         let mut scanner = LogScanner::new(Arc::clone(&registry), framing);
         let types = vec![Count::default(); registry.dialect().messages.len()];
         let mut sum = Self { stamped: framing == Framing::Stamped, types, ..Self::default() };

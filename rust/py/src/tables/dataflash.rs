@@ -1,6 +1,5 @@
 //! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
 
-use std::io;
 use std::sync::Arc;
 
 use mavwire_columns::dataflash::{self, Form, Survey, Whole, table_layout};
@@ -26,35 +25,29 @@ pub(crate) struct DataflashTables {
 /// Tables and the names of their types.
 type Tables = Vec<(String, RecordBatches)>;
 
-fn is_dataflash(log: &Source) -> io::Result<bool> {
-    Ok(kind_in(log)?.is_dataflash())
-}
-
 #[pymethods]
 impl DataflashTables {
-    /// What a log says about itself; None if it is no dataflash log.
+    /// What a log says about itself, with the tables that `query` asks for. None if it is no dataflash log. None in place of
+    /// the tables if there is no query, or they take another run, by `columns`.
     #[staticmethod]
-    fn open(py: Python<'_>, log: Source) -> Result<Option<Self>> {
+    #[pyo3(signature = (log, query=None))]
+    fn read(
+        py: Python<'_>,
+        log: Source,
+        query: Option<Query>,
+    ) -> Result<Option<(Self, Option<Tables>)>> {
         let tell = Teller(None);
-        let survey = py.detach(|| -> Result<_> {
-            if !is_dataflash(&log)? {
-                return Ok(None);
-            }
-            Survey::read(Steps::default(), &|| log.open(), || tell.tell(0))
-        })?;
-        Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))
-    }
-
-    /// The same with the tables that `query` asks for; None in their place if they take another run, by `columns`.
-    #[staticmethod]
-    fn read(py: Python<'_>, log: Source, query: Query) -> Result<Option<(Self, Option<Tables>)>> {
-        let tell = Teller(None);
-        let plan = query.plan(None, log.size());
+        let plan = query.map(|query| query.plan(None, log.size()));
         let whole = py.detach(|| -> Result<_> {
-            if !is_dataflash(&log)? {
+            if !kind_in(&log)?.is_dataflash() {
                 return Ok(None);
             }
-            dataflash::read_whole(Steps::default(), &|| log.open(), &plan, || tell.tell(0))
+            let (open, steps, pulse) = (|| log.open(), Steps::default(), || tell.tell(0));
+            if let Some(plan) = plan {
+                return dataflash::read_whole(steps, &open, &plan, pulse);
+            }
+            let survey = Survey::read(steps, &open, pulse)?;
+            Ok(survey.map(|survey| Whole { survey, rows: None }))
         })?;
         Ok(whole.map(|Whole { survey, rows }| {
             let tables = rows.map(|(batches, _)| batches.into_iter().map(table).collect());

@@ -91,19 +91,11 @@ impl LogRewrite {
         py.detach(|| self.with(|work| drop(work.draft.take())));
     }
 
-    /// The places of the logs that hold something and no record, and what is wrong with such a compressed file; once all
-    /// of them were read.
-    fn without_records(&self, py: Python<'_>) -> Vec<(usize, Option<String>)> {
-        let owned = |(place, damage): (usize, Option<&str>)| (place, damage.map(str::to_owned));
-        py.detach(|| {
-            self.with(|work| work.rewrite.without_records().into_iter().map(owned).collect())
-        })
-    }
-
-    /// The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them.
-    fn damage(&self, py: Python<'_>) -> Vec<(usize, String)> {
-        let owned = |(place, damage): (usize, &str)| (place, damage.to_owned());
-        py.detach(|| self.with(|work| work.rewrite.damage().into_iter().map(owned).collect()))
+    /// Of each log, whether it holds something and no record as far as it was read, and the damage of a compressed file.
+    fn faults(&self, py: Python<'_>) -> Vec<(bool, Option<String>)> {
+        let owned =
+            |(is_empty, damage): (bool, Option<&str>)| (is_empty, damage.map(str::to_owned));
+        py.detach(|| self.with(|work| work.rewrite.faults().map(owned).collect()))
     }
 
     /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.

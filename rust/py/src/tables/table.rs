@@ -20,7 +20,7 @@ use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyIterator, PyString, PyTuple};
+use pyo3::types::{IntoPyDict, PyCapsule, PyDict, PyIterator, PyString, PyTuple};
 
 use crate::python::calling::Calling;
 use crate::python::error::Result;
@@ -123,22 +123,15 @@ impl RecordBatches {
     fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
         for field in self.schema.fields() {
-            let entries = PyDict::new(py);
-            for (key, value) in field.metadata() {
-                entries.set_item(key, value)?;
-            }
-            all.set_item(field.name(), entries)?;
+            all.set_item(field.name(), field.metadata().iter().into_py_dict(py)?)?;
         }
         Ok(all)
     }
 
     /// `{column: Arrow's name of its type}`.
     fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let all = PyDict::new(py);
-        for field in self.schema.fields() {
-            all.set_item(field.name(), field.data_type().to_string())?;
-        }
-        Ok(all)
+        let fields = self.schema.fields().iter();
+        fields.map(|field| (field.name(), field.data_type().to_string())).into_py_dict(py)
     }
 
     /// A column in one piece.
