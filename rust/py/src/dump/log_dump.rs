@@ -4,7 +4,6 @@
 //! `recv_match` byte for byte; tests compare the two.
 
 use std::cell::OnceCell;
-use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -29,8 +28,6 @@ use mavwire_core::frame::FrameBytes;
 const CHUNK: usize = 256 * 1024;
 /// Messages between two looks whether others should have a turn; then the run tells how far it is, too.
 const PULSE: u64 = 16 * 1024;
-/// Answers about unknown message ids that are remembered: ids are chosen by whoever sends.
-const MAX_UNKNOWN: usize = 4096;
 
 /// What to dump and where to: the attributes of the object that `dump_log` is given.
 #[derive(FromPyObject)]
@@ -67,13 +64,6 @@ struct Found {
     link: u8,
 }
 
-/// Answers of `Options::wanted`, so that it is asked once for each type.
-struct Wanted {
-    known: Vec<Option<bool>>,
-    unknown: HashMap<u32, bool>,
-    bad: Option<bool>,
-}
-
 /// The message types of the log's dialect.
 struct Types {
     registry: Arc<Registry>,
@@ -93,7 +83,8 @@ struct Dump<'a, 'py> {
     log: &'a Bound<'py, LogLink>,
     options: Options<'py>,
     types: Rc<Types>,
-    wanted: Wanted,
+    /// Answers of `Options::wanted` by message index.
+    wanted: Vec<Option<bool>>,
     texts: StatusTexts<FirstPart>,
     lines: String,
     records: Vec<u8>,
@@ -149,7 +140,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             log,
             options,
             types: Rc::new(Types { registry, style, labels, text }),
-            wanted: Wanted { known: vec![None; count], unknown: HashMap::new(), bad: None },
+            wanted: vec![None; count],
             texts: StatusTexts::default(),
             lines: String::with_capacity(CHUNK + CHUNK / 4),
             records: Vec::new(),
@@ -262,22 +253,16 @@ impl<'a, 'py> Dump<'a, 'py> {
     }
 
     fn is_wanted(&mut self, item: &Item<'_>) -> PyResult<bool> {
-        let remembered = match item {
-            Item::Known { index, .. } => self.wanted.known[usize::from(*index)],
-            Item::Unknown { msgid, .. } => self.wanted.unknown.get(msgid).copied(),
-            Item::Bad { .. } => self.wanted.bad,
+        let index = match item {
+            Item::Known { index, .. } => Some(usize::from(*index)),
+            _ => None,
         };
-        if let Some(answer) = remembered {
+        if let Some(answer) = index.and_then(|index| self.wanted[index]) {
             return Ok(answer);
         }
         let answer = self.options.wanted.invoke1((item.name(),))?.is_truthy()?;
-        match item {
-            Item::Known { index, .. } => self.wanted.known[usize::from(*index)] = Some(answer),
-            Item::Unknown { msgid, .. } if self.wanted.unknown.len() < MAX_UNKNOWN => {
-                self.wanted.unknown.insert(*msgid, answer);
-            }
-            Item::Unknown { .. } => {}
-            Item::Bad { .. } => self.wanted.bad = Some(answer),
+        if let Some(index) = index {
+            self.wanted[index] = Some(answer);
         }
         Ok(answer)
     }
