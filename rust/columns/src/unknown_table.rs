@@ -10,7 +10,7 @@ use mavwire_core::frame::{Header, STX_V2};
 use mavwire_core::unknown::UnknownKind;
 
 use crate::error::Error;
-use crate::layout;
+use crate::layout::Column;
 use crate::reader::{Batch, Limits};
 use crate::scan::UNKNOWN;
 use crate::tables::pieces;
@@ -78,7 +78,7 @@ impl UnknownTable {
 fn schema() -> Schema {
     let small = |name| Field::new(name, DataType::UInt8, false);
     Schema::new(vec![
-        Field::new("timestamp", layout::time(), true),
+        Column::timestamp().field,
         small("sysid"),
         small("compid"),
         small("seq"),

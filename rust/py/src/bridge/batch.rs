@@ -113,7 +113,7 @@ impl FrameBatch {
             let (framing, source) = (Some(Framing::Stamped), Box::new(Cursor::new(records)));
             reader(Steps::default(), source, framing, registry, plan)
         };
-        Ok(LogColumns::new(py.detach(open)?))
+        LogColumns::begin(py, &query, open)
     }
 
     /// When each arrived; seconds since 1970.

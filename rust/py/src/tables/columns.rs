@@ -73,30 +73,22 @@ fn invalid_of(word: &Bound<'_, PyAny>) -> PyResult<Invalid> {
 }
 
 impl Query {
-    pub(crate) fn wanted(&self, dialect: &Dialect) -> Wanted {
-        let messages = &dialect.registry.dialect().messages;
-        let types = self
-            .types
-            .as_ref()
-            .map(|ids| messages.iter().map(|message| ids.contains(&message.id)).collect());
-        let systems = self.systems.as_ref().map(|ids| {
-            let mut systems = Box::new([false; 256]);
-            for &id in ids {
-                systems[usize::from(id)] = true;
-            }
-            systems
+    /// Which records are wanted. The record types of a dataflash log need no dialect.
+    pub(crate) fn wanted(&self, dialect: Option<&Dialect>) -> Wanted {
+        let types = self.types.as_ref().zip(dialect).map(|(ids, dialect)| {
+            let messages = &dialect.registry.dialect().messages;
+            messages.iter().map(|message| ids.contains(&message.id)).collect()
         });
-        Wanted { types, systems, ..self.wanted_by_name() }
-    }
-
-    /// The same without what depends on a dialect.
-    fn wanted_by_name(&self) -> Wanted {
+        let systems = self.systems.as_ref();
         Wanted {
+            types,
             unknown: self.unknown.clone(),
             names: self.names.clone(),
+            systems: systems.map(|ids| {
+                Box::new(std::array::from_fn(|id| ids.iter().any(|&one| usize::from(one) == id)))
+            }),
             start: self.start.unwrap_or(f64::NEG_INFINITY),
             end: self.end.unwrap_or(f64::INFINITY),
-            ..Wanted::default()
         }
     }
 
@@ -110,28 +102,15 @@ impl Query {
         }
     }
 
-    /// What to read of a log of so many bytes. A dataflash log needs no dialect.
+    /// What to read of a log of so many bytes.
     pub(crate) fn plan(&self, dialect: Option<&Dialect>, size: u64) -> Plan {
-        let wanted = dialect.map_or_else(|| self.wanted_by_name(), |one| self.wanted(one));
         let limits = Limits {
             rows: self.batch_rows.unwrap_or(usize::MAX),
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
             ..Limits::NONE
         };
-        Plan { wanted, options: self.options(), limits, unknown_table: self.unknown_table, size }
-    }
-
-    /// A reader of a telemetry log, for use without the interpreter.
-    pub(crate) fn open(&self, log: &Source, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
-        let (registry, plan) =
-            (Arc::clone(&dialect.registry), self.plan(Some(dialect), log.size()));
-        self.checked(reader(Steps::default(), log.open()?, log.framing(), registry, plan)?)
-    }
-
-    /// The reader, unless it has no times and only records of some time are wanted.
-    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
-        self.check_times(reader.has_times())?;
-        Ok(reader)
+        let (wanted, unknown_table) = (self.wanted(dialect), self.unknown_table);
+        Plan { wanted, options: self.options(), limits, unknown_table, size }
     }
 
     /// Only records of some time are wanted.
@@ -161,8 +140,15 @@ struct HandedOut {
 }
 
 impl LogColumns {
-    pub(crate) fn new(reader: Box<dyn Decode>) -> Self {
-        Self { reader: Mutex::new(reader), handed_out: Mutex::default() }
+    /// A run that `open` begins without the interpreter. An error if the log has no times and `query` needs them.
+    pub(crate) fn begin(
+        py: Python<'_>,
+        query: &Query,
+        open: impl FnOnce() -> Result<Box<dyn Decode>, Error> + Send,
+    ) -> Result<Self> {
+        let reader = py.detach(open)?;
+        query.check_times(reader.has_times())?;
+        Ok(Self { reader: Mutex::new(reader), handed_out: Mutex::default() })
     }
 
     fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
@@ -196,7 +182,11 @@ pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
 impl LogColumns {
     #[new]
     fn open(py: Python<'_>, log: Source, dialect: &Dialect, query: Query) -> Result<Self> {
-        Ok(Self::new(py.detach(|| query.open(&log, dialect))?))
+        let (registry, plan) =
+            (Arc::clone(&dialect.registry), query.plan(Some(dialect), log.size()));
+        Self::begin(py, &query, || {
+            reader(Steps::default(), log.open()?, log.framing(), registry, plan)
+        })
     }
 
     fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {

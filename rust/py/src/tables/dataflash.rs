@@ -93,8 +93,7 @@ impl DataflashTables {
     /// One run over the log, giving tables.
     fn columns(&self, py: Python<'_>, query: Query) -> Result<LogColumns> {
         let (survey, plan) = (Arc::clone(&self.survey), query.plan(None, 0));
-        let open = || query.checked(dataflash::reader(survey, &|| self.log.open(), plan)?);
-        Ok(LogColumns::new(py.detach(open)?))
+        LogColumns::begin(py, &query, || dataflash::reader(survey, &|| self.log.open(), plan))
     }
 
     /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.

@@ -288,7 +288,7 @@ impl LogScan {
         let reader = LogReader::open(&path, framing, 0.0)?;
         let mut parser = Parser::default();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
-        let wanted = query.wanted(dialect.get());
+        let wanted = query.wanted(Some(dialect.get()));
         Ok(Self {
             dialect,
             source: Mutex::new(Some(Source { reader, parser, wanted, failed: None })),

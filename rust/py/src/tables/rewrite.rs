@@ -51,7 +51,7 @@ impl LogRewrite {
     ) -> Result<Self> {
         let registry = &dialect.registry;
         let needs_times = query.as_ref().is_none_or(Query::is_timed);
-        let wanted = query.unwrap_or_default().wanted(dialect);
+        let wanted = query.unwrap_or_default().wanted(Some(dialect));
         let anonymizer = shift.map(|(latitude, longitude)| {
             Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
         });
