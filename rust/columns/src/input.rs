@@ -40,8 +40,8 @@ impl Default for Steps {
 }
 
 impl Steps {
-    /// Those of each of some logs that are read side by side: their blocks have room together, and whoever reads them may
-    /// stop soon.
+    /// Those of each of some logs that are read side by side: their blocks have room together, and the reading may stop
+    /// soon.
     pub fn shared_by(logs: usize) -> Self {
         Self { block: (SHARED / logs.max(1)).clamp(LEAST_BLOCK, BLOCK), ..Self::default() }
     }
@@ -227,7 +227,7 @@ impl Blocks {
         matches!(self.ahead, Some(Ok(filled)) if filled < self.block)
     }
 
-    /// Hands the next block to `work`, which says how many bytes of it are dealt with; at least one, if it can. The flag
+    /// Hands the next block to `work`, which says how many bytes of it are consumed; at least one, if it can. The flag
     /// says that nothing follows. `None` at the end.
     ///
     /// # Errors

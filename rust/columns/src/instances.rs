@@ -7,7 +7,7 @@ use arrow::compute::{cast, take_record_batch};
 use arrow::datatypes::DataType;
 use arrow::error::ArrowError;
 
-/// Values at most: instances are few, and whoever makes a log may put anything there.
+/// Values at most: instances are few, and a hostile log may put anything there.
 pub const MOST_INSTANCES: usize = 4096;
 
 /// The rows of each value, by the text of the value, in the order in which values first come; rows without one are left out.

@@ -77,7 +77,7 @@ fn pool() -> Option<&'static ThreadPool> {
             None => {
                 let pool = ThreadPoolBuilder::new().build().ok()?;
                 let new = Generation { process, pool, child: OnceLock::new() };
-                // Whoever loses a race takes what the winner has made.
+                // The loser of a race takes the pool of the winner.
                 place.get_or_init(|| Box::leak(Box::new(new)))
             }
         };

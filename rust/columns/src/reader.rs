@@ -26,7 +26,7 @@ pub struct Limits {
     pub rows: usize,
     /// Bytes that all growing tables may hold together; beyond that the largest is taken.
     pub bytes: usize,
-    /// Bytes of one table that make a batch of it whatever else is allowed: the offsets of a text array have 31 bits.
+    /// Bytes of one table that make a batch of it in any case: the offsets of a text array have 31 bits.
     pub table_bytes: usize,
 }
 
@@ -80,7 +80,7 @@ pub trait Decode: Send {
         Ok(batches)
     }
 
-    /// Bytes of the log that are dealt with, decompressed.
+    /// Bytes of the log that are consumed, decompressed.
     fn position(&self) -> u64;
 
     /// How many of them belong to no record.
@@ -141,13 +141,13 @@ pub(crate) trait TakeIn: Send {
     /// Finds the records of a block.
     fn find(&mut self, block: &[u8], at_end: bool) -> Self::Found;
 
-    /// Bytes of a block that are dealt with, and how many of them belong to no record.
+    /// Bytes of a block that are consumed, and how many of them belong to no record.
     fn extent(found: &Self::Found) -> (usize, u64);
 
     /// The parts of a block that are taken in one after the other.
     fn portions(&self, found: &Self::Found) -> IntoIter<Range<usize>>;
 
-    /// Appends the wanted records of a part of a block to their tables; `done` is the share of the log that is dealt with
+    /// Appends the wanted records of a part of a block to their tables; `done` is the share of the log that is consumed
     /// behind the block. Returns the batches that are complete.
     fn take_in(
         &mut self,
@@ -173,7 +173,7 @@ pub(crate) struct Reader<D: TakeIn> {
     rest: Option<Rest<D::Found>>,
     has_times: bool,
     size: u64,
-    /// Bytes of the log, decompressed, that are dealt with.
+    /// Bytes of the log, decompressed, that are consumed.
     position: u64,
     bad_bytes: u64,
 }

@@ -36,7 +36,7 @@ pub(crate) struct Rest<T> {
     /// Where its records are.
     pub(crate) found: T,
     pub(crate) portions: IntoIter<Range<usize>>,
-    /// The share of the log that is dealt with behind the block.
+    /// The share of the log that is consumed behind the block.
     pub(crate) done: f64,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each stretch of the block is searched for runs of good records by itself; the scanner that walks through the log passes
 //! over the runs that it reaches. On a log without damage it walks a few steps for each block, on a damaged one through
-//! the damage. Its outcome is that of one scanner over the whole log, whatever the blocks and the number of threads.
+//! the damage. Its outcome is that of one scanner over the whole log, for any blocks and any number of threads.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub const UNKNOWN: u16 = u16::MAX;
 /// The records of a block. Positions are counted from its start.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Scanned {
-    /// Bytes dealt with.
+    /// Bytes consumed.
     pub consumed: usize,
     /// Good records in the order of the log.
     pub records: Vec<Located>,

@@ -76,7 +76,7 @@ impl Wanted {
         self.types.as_ref().is_none_or(|types| types[usize::from(index)])
     }
 
-    /// Whether a look at the type settles it.
+    /// Whether the type alone decides.
     fn by_type_alone(&self) -> bool {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY
     }

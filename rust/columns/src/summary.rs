@@ -16,7 +16,7 @@ use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
 use crate::sequence::{Heard, Sequence};
 use crate::unknown::{self, UnknownCounts};
 
-/// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
+/// Places that are listed. Further ones are only counted, since a hostile log chooses their number.
 const MOST_LISTED: usize = 1000;
 
 /// Microseconds. Smaller steps back are not counted: records of one moment can overtake each other.

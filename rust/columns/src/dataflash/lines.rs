@@ -21,7 +21,7 @@ pub(super) struct Line<'a> {
 }
 
 impl Lines {
-    /// Hands over the lines of a block; bytes dealt with.
+    /// Hands over the lines of a block. Returns the bytes consumed.
     pub(super) fn each(
         &mut self,
         block: &[u8],

@@ -37,7 +37,7 @@ pub(super) struct RecordIndex {
     pub(super) stretches: Vec<Vec<Place>>,
     /// Bytes that belong to no record.
     pub(super) bad: Vec<Range<usize>>,
-    /// Bytes dealt with.
+    /// Bytes consumed.
     pub(super) consumed: usize,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Walked {
     pub(super) stretches: Vec<Stretch>,
     /// Bytes that belong to no record.
     pub(super) bad: Vec<Range<usize>>,
-    /// Bytes dealt with.
+    /// Bytes consumed.
     pub(super) consumed: usize,
 }
 

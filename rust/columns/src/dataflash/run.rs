@@ -46,7 +46,7 @@ pub(super) struct Seen<'a> {
     pub(super) bytes: &'a [u8],
     /// The records of a binary log.
     pub(super) hops: RecordIndex,
-    /// Bytes of the block that are dealt with.
+    /// Bytes of the block that are consumed.
     pub(super) consumed: usize,
 }
 
@@ -194,7 +194,7 @@ impl Run {
         })
     }
 
-    /// Bytes of the log that are dealt with.
+    /// Bytes of the log that are consumed.
     pub(super) fn position(&self) -> u64 {
         self.offset
     }

@@ -16,7 +16,7 @@ use crate::input::{Blocks, Steps, decompressed};
 /// Opens the log from its start; a log is read more than once.
 pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
 
-/// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
+/// Descriptions of one name that have rows in its table, as many as a type has: a hostile log chooses the names.
 const MAX_OF_NAME: usize = 16;
 /// Bytes of a row of theirs, if there are several: each row has the columns of all of them.
 const MAX_ROW_LEN: usize = 512;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::reader::Batch;
 
-/// The first value of `fix_type` and `Status` that stands for a position.
+/// The first value of `fix_type` and `Status` with a position.
 const FIX_2D: f64 = 2.0;
 
 /// Messages with positions: latitude, longitude, altitude above the sea, and what says that there is a fix.
@@ -168,7 +168,7 @@ fn value(array: &Float64Array, row: usize) -> f64 {
     if array.is_valid(row) { array.value(row) } else { f64::NAN }
 }
 
-/// Whether these are degrees of somewhere; 0, 0 stands for nowhere.
+/// Whether these are degrees of a place; 0, 0 means that there is none.
 fn is_place(lat: f64, lon: f64) -> bool {
     lat.abs() <= 90.0 && lon.abs() <= 180.0 && (lat != 0.0 || lon != 0.0)
 }

@@ -138,7 +138,7 @@ impl Dialect {
     #[cold]
     fn make_class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
         let cell = &self.classes[usize::from(index)];
-        // Making the class runs Python, which may come back here; whoever is first wins.
+        // Making the class runs Python, which may come back here. The first class stays.
         let info = Info::of(py, self.registry.message(index));
         let make = self.make_class.get().ok_or_else(|| PyRuntimeError::new_err("not bound"))?;
         let wrapped = Bound::new(py, MessageInfo { info })?;

@@ -1,5 +1,5 @@
-//! Ports as links use them: what they answer, and whether an error is theirs or a signal handler's, is known to whoever
-//! called them, since no handler runs in between.
+//! Ports as links use them. No signal handler runs between a call of a port and its answer, so that the caller knows
+//! whether an error is the port's or a handler's.
 
 use std::io;
 use std::sync::OnceLock;

@@ -200,7 +200,7 @@ impl LogColumns {
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 
-    /// Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the damage of a compressed
+    /// Bytes of the log, decompressed, that are consumed; how many of them belong to no record; the damage of a compressed
     /// file; `{(message id, CRC_EXTRA): messages}` that the dialect does not define, under `None` those that are not listed.
     fn progress(&self, py: Python<'_>) -> (u64, u64, Option<String>, UnknownById) {
         let progress = |reader: &mut dyn Decode| {

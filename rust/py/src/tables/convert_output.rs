@@ -149,7 +149,7 @@ pub(crate) fn is_device(name: &str) -> bool {
     matches!(&*name, "CON" | "PRN" | "AUX" | "NUL") || numbered("COM") || numbered("LPT")
 }
 
-/// The folder of a type: a log names its types, and whoever made the log shall not choose where files go.
+/// The folder of a type. A log names its types, and must not choose where files go.
 fn folder_of(name: &str) -> String {
     let mut folder = String::with_capacity(name.len());
     let device = is_device(name);
