@@ -23,6 +23,7 @@ pub mod input;
 pub mod instances;
 pub mod layout;
 pub mod mcap;
+pub mod output;
 pub mod pool;
 pub mod reader;
 pub mod rewrite;

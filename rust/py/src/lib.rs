@@ -114,9 +114,7 @@ mod _native {
     #[pymodule_export]
     use crate::tables::columns::{LogColumns, empty_table, log_summary};
     #[pymodule_export]
-    use crate::tables::convert::{Converter, csv_safe, write_table};
-    #[pymodule_export]
-    use crate::tables::convert_output::is_device;
+    use crate::tables::convert::{Converter, csv_safe, is_device, write_table};
     #[pymodule_export]
     use crate::tables::dataflash::DataflashTables;
     #[pymodule_export]

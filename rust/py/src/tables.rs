@@ -4,7 +4,6 @@ pub(crate) mod align;
 pub(crate) mod column_view;
 pub(crate) mod columns;
 pub(crate) mod convert;
-pub(crate) mod convert_output;
 pub(crate) mod dataflash;
 pub(crate) mod dates;
 pub(crate) mod decompress;

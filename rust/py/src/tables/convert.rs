@@ -8,16 +8,16 @@ use mavwire_columns::Error;
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{self, Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
+use mavwire_columns::output::{self, Output};
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
-use mavwire_io::files::Draft;
+use mavwire_io::files::{Draft, commit_all};
 use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::python::error::Result;
 use crate::tables::columns::{LogColumns, Query, bytes_of};
-use crate::tables::convert_output::Output;
 use crate::tables::table::RecordBatches;
 
 fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
@@ -51,7 +51,7 @@ fn check(takes: bool, format: &str, compression: &str) -> PyResult<()> {
 
 /// The files that become of a log.
 struct Work {
-    output: Output,
+    output: Output<Draft>,
     /// What was read and is not written.
     batches: Vec<Batch>,
     freed: Freed,
@@ -105,11 +105,16 @@ impl Converter {
         let how = compression_of(compression)?;
         let output = if format == "mcap" {
             check(mcap::takes(how), format, compression)?;
-            Output::mcap(folder.join(file), how, query.descriptions.unwrap_or_default())
+            Output::mcap(
+                folder.join(file),
+                how,
+                Draft::create,
+                query.descriptions.unwrap_or_default(),
+            )
         } else {
             let kind = format_of(format, query.csv_safe)?;
             check(kind.takes(how), format, compression)?;
-            Output::tables(folder, file, kind, how, query.names.is_some())
+            Output::tables(folder, file, kind, how, Draft::create, query.names.is_some())
         };
         let work = Work { output, batches: Vec::new(), freed: Freed::default() };
         Ok(Self { log, work: Mutex::new(Some(work)) })
@@ -127,10 +132,12 @@ impl Converter {
 
     /// Gives the files their names: `[(path, rows), ...]`. Without it nothing is left of them.
     fn commit(&self, py: Python<'_>) -> Result<Vec<(PathBuf, u64)>> {
-        let commit = |work: &mut Option<Work>| {
+        let commit = |work: &mut Option<Work>| -> Result<_, Error> {
             let Some(mut work) = work.take() else { return Ok(Vec::new()) };
             work.output.write(&work.batches)?;
-            work.output.commit()
+            let (files, drafts) = work.output.finish()?;
+            commit_all(drafts)?;
+            Ok(files)
         };
         Ok(py.detach(|| self.with(commit))?)
     }
@@ -170,4 +177,10 @@ pub(crate) fn write_table(
 #[pyfunction]
 pub(crate) fn csv_safe(text: &str) -> Cow<'_, str> {
     convert::csv_safe(text)
+}
+
+/// Whether Windows treats the name of a file or folder as a device, such as `nul` or `COM1.txt`.
+#[pyfunction]
+pub(crate) fn is_device(name: &str) -> bool {
+    output::is_device(name)
 }

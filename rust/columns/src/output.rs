@@ -2,78 +2,97 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
-use mavwire_columns::Error;
-use mavwire_columns::arrow::array::RecordBatch;
-use mavwire_columns::convert::{Compression, Format, Sink, write_all};
-use mavwire_columns::mcap::{Descriptions, McapSink};
-use mavwire_columns::reader::Batch;
-use mavwire_columns::scan::UNKNOWN;
-use mavwire_columns::unknown_table;
-use mavwire_io::files::{Draft, commit_all};
-use pyo3::prelude::*;
+use arrow::array::RecordBatch;
+
+use crate::convert::{Compression, Format, Sink, write_all};
+use crate::error::Error;
+use crate::mcap::{Descriptions, McapSink};
+use crate::reader::Batch;
+use crate::scan::UNKNOWN;
+use crate::unknown_table;
 
 /// Largest number of types of a log that become files without `--types`. A log with more types is likely made to do harm.
 const MAX_UNNAMED_TYPES: usize = 1000;
 
-/// The files of a log, which appear when all of them are complete, and are gone if that never happens.
-pub(crate) enum Output {
+/// Begins the file at a path.
+pub type Create<W> = fn(&Path) -> io::Result<W>;
+
+/// Paths, and the rows in each file.
+pub type Files = Vec<(PathBuf, u64)>;
+
+/// The files of a log.
+pub enum Output<W: Write + Send> {
     /// A file for each table.
-    Tables(Tables),
+    Tables(Tables<W>),
     /// A file for all, begun by the first message.
     Mcap {
+        /// The file.
         path: PathBuf,
+        /// How its chunks are compressed.
         compression: Compression,
+        /// Begins it.
+        create: Create<W>,
+        /// Texts for its schemas.
         descriptions: Descriptions,
-        sink: Option<Box<McapSink<Draft>>>,
+        /// The file, once it is begun.
+        sink: Option<Box<McapSink<W>>>,
     },
 }
 
 /// `folder/MESSAGE/file` for each message.
-pub(crate) struct Tables {
+pub struct Tables<W: Write + Send> {
     folder: PathBuf,
     file: String,
     format: Format,
     compression: Compression,
+    create: Create<W>,
     /// Largest number of files.
     limit: usize,
     /// By message index.
-    sinks: BTreeMap<u16, (PathBuf, Sink<Draft>)>,
+    sinks: BTreeMap<u16, (PathBuf, Sink<W>)>,
 }
 
-impl Output {
-    pub(crate) fn tables(
+impl<W: Write + Send> Output<W> {
+    /// A file for each table, with few of them unless the user named types.
+    pub fn tables(
         folder: PathBuf,
         file: String,
         format: Format,
         compression: Compression,
+        create: Create<W>,
         types_are_named: bool,
     ) -> Self {
         let limit = if types_are_named { usize::MAX } else { MAX_UNNAMED_TYPES };
-        Self::Tables(Tables { folder, file, format, compression, limit, sinks: BTreeMap::new() })
+        let sinks = BTreeMap::new();
+        Self::Tables(Tables { folder, file, format, compression, create, limit, sinks })
     }
 
-    pub(crate) fn mcap(
+    /// A file for all tables.
+    pub fn mcap(
         path: PathBuf,
         compression: Compression,
+        create: Create<W>,
         descriptions: Descriptions,
     ) -> Self {
-        Self::Mcap { path, compression, descriptions, sink: None }
+        Self::Mcap { path, compression, create, descriptions, sink: None }
     }
 
     /// Writes the batches of a stretch of the log.
-    pub(crate) fn write(&mut self, batches: &[Batch]) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// What the writers say; [`Error::TooManyFiles`].
+    pub fn write(&mut self, batches: &[Batch]) -> Result<(), Error> {
         match self {
             Self::Tables(tables) => tables.write(batches),
             Self::Mcap { .. } if batches.is_empty() => Ok(()),
-            Self::Mcap { path, compression, descriptions, sink } => {
+            Self::Mcap { path, compression, create, descriptions, sink } => {
                 let sink = match sink {
                     Some(open) => open,
                     None => {
-                        let draft = Draft::create(path)?;
-                        let new = McapSink::new(draft, *compression)?;
+                        let new = McapSink::new(create(path)?, *compression)?;
                         sink.insert(Box::new(new.described(std::mem::take(descriptions))))
                     }
                 };
@@ -82,21 +101,31 @@ impl Output {
         }
     }
 
-    /// Gives all files their names: which, and the rows in them.
-    pub(crate) fn commit(self) -> Result<Vec<(PathBuf, u64)>, Error> {
+    /// Writes the ends of all files, and gives them back.
+    ///
+    /// # Errors
+    /// What the writers say.
+    pub fn finish(self) -> Result<(Files, Vec<W>), Error> {
+        let (mut files, mut outs) = (Vec::new(), Vec::new());
         match self {
-            Self::Tables(tables) => tables.commit(),
-            Self::Mcap { sink: None, .. } => Ok(Vec::new()),
-            Self::Mcap { path, sink: Some(sink), .. } => {
-                let rows = sink.rows();
-                sink.finish()?.commit()?;
-                Ok(vec![(path, rows)])
+            Self::Tables(tables) => {
+                for (path, sink) in tables.sinks.into_values() {
+                    files.push((path, sink.rows()));
+                    outs.push(sink.finish()?);
+                }
+            }
+            Self::Mcap { path, sink, .. } => {
+                if let Some(sink) = sink {
+                    files.push((path, sink.rows()));
+                    outs.push(sink.finish()?);
+                }
             }
         }
+        Ok((files, outs))
     }
 }
 
-impl Tables {
+impl<W: Write + Send> Tables<W> {
     fn write(&mut self, batches: &[Batch]) -> Result<(), Error> {
         let mut by_type: BTreeMap<u16, Vec<&RecordBatch>> = BTreeMap::new();
         for batch in batches {
@@ -108,7 +137,7 @@ impl Tables {
         write_all(due.collect())
     }
 
-    /// Begins the file of a batch where there is none yet.
+    /// Begins the file of a batch if it is the first one of its type.
     fn begin(&mut self, batch: &Batch) -> Result<(), Error> {
         let files = self.sinks.len();
         if let Entry::Vacant(missing) = self.sinks.entry(batch.index) {
@@ -120,27 +149,16 @@ impl Tables {
                 _ => folder_of(&batch.message),
             };
             let path = self.folder.join(folder).join(&self.file);
-            let draft = Draft::create(&path)?;
-            let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
+            let out = (self.create)(&path)?;
+            let sink = Sink::new(out, &batch.rows.schema(), self.format, self.compression)?;
             missing.insert((path, sink));
         }
         Ok(())
     }
-
-    fn commit(self) -> Result<Vec<(PathBuf, u64)>, Error> {
-        let (mut files, mut drafts) = (Vec::new(), Vec::new());
-        for (path, sink) in self.sinks.into_values() {
-            files.push((path, sink.rows()));
-            drafts.push(sink.finish()?);
-        }
-        commit_all(drafts)?;
-        Ok(files)
-    }
 }
 
 /// Whether Windows treats the name of a file or folder as a device, such as `nul` or `COM1.txt`.
-#[pyfunction]
-pub(crate) fn is_device(name: &str) -> bool {
+pub fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default();
     let name = stem.trim_end_matches(' ').to_ascii_uppercase();
     let numbered = |kind| {
@@ -151,17 +169,16 @@ pub(crate) fn is_device(name: &str) -> bool {
 
 /// The folder of a type. A log names its types, and must not choose where files go.
 fn folder_of(name: &str) -> String {
-    let mut folder = String::with_capacity(name.len());
-    let device = is_device(name);
-    for (place, byte) in name.bytes().enumerate() {
+    let is_device = is_device(name);
+    let letter = |(place, byte): (usize, u8)| {
         let is_plain = byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
-        if is_plain && !(device && place == 0) {
-            folder.push(char::from(byte));
+        if is_plain && !(is_device && place == 0) {
+            char::from(byte).to_string()
         } else {
-            let _ = write!(folder, "%{byte:02X}");
+            format!("%{byte:02X}")
         }
-    }
-    folder
+    };
+    name.bytes().enumerate().map(letter).collect()
 }
 
 #[cfg(test)]
