@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use arrow::datatypes::DataType;
-use mavwire_core::log::dataflash::{ARRAY_LEN, Field as LogField, FieldKind, Layout as LogLayout};
+use mavwire_core::log::dataflash::{ARRAY_LEN, FieldKind, Layout as LogLayout};
 use mavwire_schema::{Field, FieldType};
 
 use super::survey::{Form, Survey};
@@ -139,9 +139,9 @@ fn column(survey: &Survey, layout: &LogLayout, number: usize, options: &Options)
     field.multiplier = multiplier.filter(|_| log_field.kind.scale().is_none());
     let is_text_log = matches!(survey.form, Form::Text(_));
     let mut column = if is_text_log {
-        text_log_column(field, log_field, options)
+        text_log_column(field, log_field.kind, options)
     } else {
-        binary_column(field, log_field, layout.name == "FILE", options)
+        binary_column(field, log_field.kind, layout.name == "FILE", options)
     };
     // Tables are not split by lists.
     if survey.units.instance_field(layout) == Some(number) && log_field.kind != FieldKind::Array {
@@ -167,63 +167,51 @@ fn unit_of(survey: &Survey, layout: &LogLayout, number: usize) -> (Option<String
 }
 
 /// The column of a field of binary records.
-fn binary_column(
-    mut field: Field,
-    log_field: &LogField,
-    raw_bytes: bool,
-    options: &Options,
-) -> Column {
-    use FieldKind as K;
-    let mut scale = None;
-    (field.field_type, field.array_length) = match log_field.kind {
-        K::Text(len) => {
-            field.array_length = len;
-            return if raw_bytes && len == 64 {
-                textual(field, Source::Bytes, DataType::Binary)
-            } else {
-                textual(field, Source::LogText, DataType::Utf8)
-            };
-        }
-        K::Array => (FieldType::I16, ARRAY_LEN as u8),
-        K::I8 | K::Mode => (FieldType::I8, 0),
-        K::U8 => (FieldType::U8, 0),
-        K::I16 | K::CentiI16 => (FieldType::I16, 0),
-        K::U16 | K::CentiU16 => (FieldType::U16, 0),
-        K::I32 | K::CentiI32 | K::Degrees => (FieldType::I32, 0),
-        K::U32 | K::CentiU32 => (FieldType::U32, 0),
-        K::I64 => (FieldType::I64, 0),
-        K::U64 => (FieldType::U64, 0),
-        K::F16 | K::F32 => (FieldType::F32, 0),
-        K::F64 => (FieldType::F64, 0),
-    };
-    if log_field.kind.scale().is_some() {
-        scale = Some(Scale::down(if log_field.kind == K::Degrees { 1e7 } else { 100.0 }));
+fn binary_column(mut field: Field, kind: FieldKind, raw_bytes: bool, options: &Options) -> Column {
+    if let FieldKind::Text(len) = kind {
+        field.array_length = len;
+        return if raw_bytes && len == 64 {
+            textual(field, Source::Bytes, DataType::Binary)
+        } else {
+            textual(field, Source::LogText, DataType::Utf8)
+        };
     }
+    field.field_type = stored_type(kind);
+    field.array_length = if kind == FieldKind::Array { ARRAY_LEN as u8 } else { 0 };
+    let over = if kind == FieldKind::Degrees { 1e7 } else { 100.0 };
+    let scale = kind.scale().map(|_| Scale::down(over));
     let mut column = scaled(&field, scale, options);
-    if log_field.kind == K::F16 {
+    if kind == FieldKind::F16 {
         column.source = Source::Half(field);
     }
     column
 }
 
 /// A text log has names of modes, and numbers with all their digits, scaled already.
-fn text_log_column(mut field: Field, log_field: &LogField, options: &Options) -> Column {
-    use FieldKind as K;
-    field.field_type = match log_field.kind {
-        K::Text(_) | K::Array | K::Mode => {
-            return textual(field, Source::LogText, DataType::Utf8);
-        }
-        kind if kind.is_float() => FieldType::F64,
-        K::I8 => FieldType::I8,
-        K::U8 => FieldType::U8,
-        K::I16 => FieldType::I16,
-        K::U16 => FieldType::U16,
-        K::I32 => FieldType::I32,
-        K::U32 => FieldType::U32,
-        K::U64 => FieldType::U64,
-        _ => FieldType::I64,
-    };
+fn text_log_column(mut field: Field, kind: FieldKind, options: &Options) -> Column {
+    if matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode) {
+        return textual(field, Source::LogText, DataType::Utf8);
+    }
+    field.field_type = if kind.is_float() { FieldType::F64 } else { stored_type(kind) };
     scaled(&field, None, options)
+}
+
+/// The type of the numbers of binary records.
+fn stored_type(kind: FieldKind) -> FieldType {
+    use FieldKind as K;
+    match kind {
+        K::Text(_) => FieldType::Char,
+        K::I8 | K::Mode => FieldType::I8,
+        K::U8 => FieldType::U8,
+        K::I16 | K::CentiI16 | K::Array => FieldType::I16,
+        K::U16 | K::CentiU16 => FieldType::U16,
+        K::I32 | K::CentiI32 | K::Degrees => FieldType::I32,
+        K::U32 | K::CentiU32 => FieldType::U32,
+        K::I64 => FieldType::I64,
+        K::U64 => FieldType::U64,
+        K::F16 | K::F32 => FieldType::F32,
+        K::F64 => FieldType::F64,
+    }
 }
 
 fn textual(field: Field, source: fn(Field) -> Source, data_type: DataType) -> Column {
