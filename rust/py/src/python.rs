@@ -1,4 +1,4 @@
-//! What every part needs of the interpreter: calls, interned names, numbers, lists and errors.
+//! The interpreter as every part needs it: calls, interned names, numbers, lists and errors.
 
 pub(crate) mod calling;
 pub(crate) mod collector;

@@ -113,7 +113,7 @@ fn revive<'py>(
     instance: *mut Instance,
     message: Message,
 ) -> Bound<'py, Message> {
-    // SAFETY: an object from the pool is memory for an instance of such a class, of which nobody else knows and whose
+    // SAFETY: an object from the pool is memory for an instance of such a class. No other code knows it, and its
     // dictionary and weak references are null; `PyObject_Init` gives it its class and one reference.
     unsafe {
         (&raw mut (*instance).message).write(message);
@@ -233,7 +233,7 @@ mod pool {
         }
     }
 
-    /// Puts an object in that nobody uses any more, its value dropped; false if there is no room.
+    /// Puts a dead object in, its value dropped; false if there is no room.
     #[inline]
     pub(super) fn keep(instance: *mut Instance) -> bool {
         let count = COUNT.load(Relaxed);

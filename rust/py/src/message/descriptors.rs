@@ -1,7 +1,7 @@
 //! Descriptors that decode when they are read.
 //!
 //! Both kinds are *non-data* descriptors: an entry in the instance `__dict__` (a built or edited message) wins by
-//! CPython's own lookup rule, so a decoded message needs no dictionary until somebody writes to it.
+//! CPython's own lookup rule, so a decoded message needs no dictionary until a program writes to it.
 //!
 //! Reading a field is what programs do most, so [`field_getter_type`] puts a function of its own into `tp_descr_get`,
 //! which spares the conversion of arguments and the checks that PyO3 makes for every call (230 of 450 instructions).
@@ -31,7 +31,7 @@ pub(crate) struct FieldGetter {
     field: Field,
     name: Py<PyString>,
     raw: bool,
-    /// What the class itself answers to this name (fields called `id` and `name` shadow class attributes).
+    /// The attribute of the class that the field shadows: fields may be called `id` or `name`.
     class_value: Option<Py<PyAny>>,
     /// The message class it is an attribute of, whose instances need no closer look.
     owner: OnceLock<Py<PyType>>,
@@ -155,7 +155,7 @@ impl FieldGetter {
         values::scalar(py, field_type, message.decoded_payload(), usize::from(offset)).ok()
     }
 
-    /// What the class answers, of itself or of an instance from which the field was deleted.
+    /// The attribute of the class, for itself or for an instance from which the field was deleted.
     fn class_attribute(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! What a message class knows about itself: its definition and the interned Python names that go with it.
+//! The facts of a message class: its definition and the interned Python names that go with it.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -72,7 +72,7 @@ pub(crate) struct Info {
 static INTERNED: Mutex<BTreeMap<u32, Vec<&'static Info>>> = Mutex::new(BTreeMap::new());
 
 impl Info {
-    /// What there is to know of a definition.
+    /// The facts of a definition.
     pub(crate) fn of(py: Python<'_>, definition: &Definition) -> &'static Self {
         let find = |known: &BTreeMap<u32, Vec<&'static Self>>| {
             let same_id = known.get(&definition.id).into_iter().flatten();

@@ -1,7 +1,7 @@
 //! The attributes of a message that its definition does not describe, made when they are first read.
 //!
 //! Objects with an identity (`_msgbuf`, `_header`, `_payload`, `data`) are kept in the instance dictionary once made, so that
-//! a caller who changes them sees the change again.
+//! a caller that changes them sees the change again.
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -145,8 +145,7 @@ fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
     Ok(class.invoke1(arguments)?.unbind())
 }
 
-/// After `pack` the payload as sent. After decoding a slice from byte 6 whatever the header's length: that is what
-/// pymavlink's users got used to.
+/// After `pack` the payload as sent. After decoding a slice from byte 6 for headers of any length, as in pymavlink.
 fn payload_object(py: Python<'_>, message: &Message) -> PyResult<Py<PyAny>> {
     if message.has(flags::PACKED) {
         return match message.packed(py) {
@@ -180,7 +179,7 @@ fn crc(py: Python<'_>, message: &Message) -> Option<u16> {
     }
 }
 
-/// What a message of a definition that the dialect lacks is called.
+/// The name of a message that the dialect lacks.
 fn unknown_name(message: &Message) -> String {
     format!("UNKNOWN_{}", Header::parse(&message.frame).map_or(0, |header| header.msgid))
 }

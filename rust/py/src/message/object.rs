@@ -55,9 +55,9 @@ pub(crate) mod flags {
     /// The object may be used again for another message once it is free.
     pub(crate) const POOLED: u32 = 1024;
 
-    /// What a received message was given beside its bytes.
+    /// Facts of a received message that its bytes do not tell.
     pub(crate) const WIRE: u32 = SIGNED | POSTED | LINK;
-    /// What may stand in the instance dictionary.
+    /// Facts about the instance dictionary.
     pub(crate) const WRITTEN: u32 = DICT | FIELDS | META | TIMESTAMP_IN_DICT | MATERIALISED;
 }
 
@@ -219,7 +219,7 @@ pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Boun
     generic_dict(message.as_any())
 }
 
-/// What writing to an attribute of this name may change.
+/// The flags that writing to an attribute of this name sets.
 pub(crate) fn flags_for(name: &str) -> u32 {
     match name {
         "_timestamp" => 0,

@@ -1,7 +1,7 @@
 //! Text, dict and JSON forms of a message, and equality.
 //!
-//! An unedited message is formatted from its frame in Rust; an edited or built one goes attribute by attribute, so that
-//! whatever Python object was stored shows up as itself.
+//! An unedited message is formatted from its frame in Rust. An edited or built one goes attribute by attribute, so that a
+//! stored Python object shows up as itself.
 
 use mavwire_core::text as format;
 use pyo3::prelude::*;
@@ -51,7 +51,7 @@ pub(crate) fn format_attr<'py>(
     text.invoke_method1(intern!(py, "rstrip"), ("\0",))
 }
 
-/// What texts show of a field: no secret key.
+/// A field's value as texts show it: no secret key.
 fn shown<'py>(
     name: &Bound<'py, PyString>,
     value: Bound<'py, PyAny>,

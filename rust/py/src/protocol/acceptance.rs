@@ -17,7 +17,7 @@ use crate::sync::shared;
 /// Signing timestamps per year, for the log line that pymavlink writes.
 const UNITS_PER_YEAR: f64 = 100.0 * 1000.0 * 60.0 * 60.0 * 24.0 * 365.0;
 
-/// What is to become of a received frame.
+/// The decision about a received frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Acceptance {
     /// No key is set, or the application lets it pass.

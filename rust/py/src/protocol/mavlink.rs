@@ -115,7 +115,7 @@ pub(crate) mod overridden {
     pub(crate) const SEND: u8 = 1;
     pub(crate) const RECEIVE: u8 = 2;
     pub(crate) const ENCODE: u8 = 4;
-    /// What links call for received bytes is not the native one, so that the bytes have to be shown to it.
+    /// Links call a method of the program's for received bytes, so that these have to be shown to it.
     pub(crate) const PARSER: u8 = 8;
     /// The program has its own method to check signatures.
     pub(crate) const SIGNATURE: u8 = 16;
@@ -145,7 +145,7 @@ impl MAVLink {
         self.parser.lock(unsafe { Python::assume_attached() })
     }
 
-    /// What frames are sent with, be it by this object or by one that it took the place of, which threads may still use.
+    /// The state of sending. An object that took the place of another one shares that one's, since threads may still use it.
     #[inline]
     pub(crate) fn sending(&self) -> &Sending {
         match self.predecessor.get() {

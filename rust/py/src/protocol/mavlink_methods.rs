@@ -130,7 +130,7 @@ impl MAVLink {
         self.robust_parsing.store(value, Relaxed);
     }
 
-    /// What to do after a damaged frame: "skip" drops its whole claimed length, "rescan" looks for frames inside it.
+    /// The policy after a damaged frame: "skip" drops its whole claimed length, "rescan" looks for frames inside it.
     #[getter]
     fn resync(&self) -> &'static str {
         match self.parser().resync() {
@@ -153,7 +153,7 @@ impl MAVLink {
         Ok(())
     }
 
-    /// What frames are written to: any object with `write(bytes)`.
+    /// The object that frames are written to: it has `write(bytes)`.
     #[getter]
     fn file<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.file.get(py)
@@ -335,7 +335,7 @@ impl MAVLink {
         let _ = self.predecessor.set(first.clone_ref(other.py()));
     }
 
-    /// Whether bytes that are not received here hold a message that may say who sent them: see `trust`.
+    /// Whether bytes that are not received here hold a message that proves their sender: see `peer_check`.
     fn _holds_trusted(slf: &Bound<'_, Self>, data: &[u8]) -> PyResult<bool> {
         peer_check::holds_trusted(slf, data)
     }

@@ -54,7 +54,7 @@ impl Message {
         Ok(())
     }
 
-    /// Seconds since 1970 (or of the log's own clock), set by whoever received the message.
+    /// Seconds since 1970, or of the log's own clock, set by the link that received the message.
     #[getter(_timestamp)]
     fn get_timestamp(slf: &Bound<'_, Self>) -> PyResult<Py<PyAny>> {
         let py = slf.py();
@@ -233,7 +233,7 @@ impl Message {
     }
 }
 
-/// `_header.<name>` where somebody may have replaced it, else straight from the frame.
+/// `_header.<name>` where a program may have replaced it, else straight from the frame.
 fn header_item<'py>(
     slf: &Bound<'py, Message>,
     name: &str,

@@ -20,7 +20,7 @@ use crate::python::lists;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 
-/// What `pack` reads from the `mav` it is given, which may be any object with these attributes.
+/// The sender that `mav` describes, which may be any object with these attributes.
 fn sender_of<'py>(mav: &Bound<'py, PyAny>) -> PyResult<Sender<'py>> {
     if let Ok(native) = mav.cast::<MAVLink>() {
         return native.get().sender(mav.py());
@@ -73,7 +73,7 @@ pub(crate) fn pack_payload<'a, 'py>(
     Ok(packed.into_any())
 }
 
-/// The payload at full length: straight from the frame where nobody changed a field.
+/// The payload at full length: straight from the frame where no field was changed.
 fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
     let this = message.get();
     if this.is_pristine() && !info.has_char_scalar {

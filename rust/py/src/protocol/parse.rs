@@ -136,7 +136,7 @@ impl<'a, 'py> Session<'a, 'py> {
         Ok(Some(message))
     }
 
-    /// What the parser found as a message, with counter and callback.
+    /// The message of a step of the parser, with counter and callback.
     pub(crate) fn take_step(&self, step: Step) -> PyResult<Option<Bound<'py, Message>>> {
         let this = self.mav.get();
         let message = match step {
@@ -185,7 +185,7 @@ impl<'a, 'py> Session<'a, 'py> {
         Ok(message)
     }
 
-    /// What becomes of a frame that signing does not let pass.
+    /// The outcome for a frame that signing does not let pass.
     fn rejected(&self, bytes: &[u8]) -> PyResult<Bound<'py, Message>> {
         let error = FrameError::InvalidSignature;
         if self.robust {

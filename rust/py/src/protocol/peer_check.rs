@@ -1,4 +1,5 @@
-//! Who sent bytes that a program does not receive as messages of its link: it parses them itself, or hands them on.
+//! The proof of a sender for bytes that a program does not receive as messages of its link: it parses them itself, or hands
+//! them on.
 
 use mavwire_core::frame::FrameRef;
 use mavwire_core::scan::{Found, Resync, Scanner};
@@ -7,8 +8,8 @@ use pyo3::prelude::*;
 use crate::protocol::mavlink::MAVLink;
 use crate::protocol::parse::obey_ignore_checksum;
 
-/// Whether `data` holds a message of the dialect that may say who sent it: any good one, or with a key a genuine one that
-/// is newer than all that was received or looked at. `mav` receives it later as if nobody had looked.
+/// Whether `data` holds a message of the dialect that proves its sender: any good one, or with a key a genuine one that is
+/// newer than all that was received or looked at. The look changes nothing for `mav`, which may receive it later.
 pub(crate) fn holds_trusted(mav: &Bound<'_, MAVLink>, data: &[u8]) -> PyResult<bool> {
     obey_ignore_checksum(mav)?;
     let this = mav.get();

@@ -1,4 +1,4 @@
-//! Sending: one frame after the other, whatever the number of threads.
+//! Sending: one frame after the other, from any number of threads.
 
 use mavwire_core::frame::FrameBuffer;
 use pyo3::ffi;
@@ -36,7 +36,7 @@ pub(super) fn in_turn<'py>(
 }
 
 /// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the
-/// frame, without a message object, unless somebody is there to see one.
+/// frame, without a message object, unless code of the program sees one.
 pub(crate) unsafe extern "C" fn send_values(
     _module: *mut ffi::PyObject,
     arguments: *mut *mut ffi::PyObject,

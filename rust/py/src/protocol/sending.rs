@@ -1,4 +1,4 @@
-//! What the frames of one sender have in common, and what keeps them in sequence.
+//! The state that the frames of one sender share, and the lock that keeps them in sequence.
 
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
@@ -29,7 +29,7 @@ impl Sending {
         self.seq.load(Relaxed)
     }
 
-    /// On from `seq` to the next sequence number, unless somebody has gone on from it.
+    /// Goes on from `seq` to the next sequence number, unless another frame has done so.
     #[inline]
     pub(crate) fn advance(&self, seq: i64) {
         if self.seq() == seq {

@@ -19,7 +19,7 @@ use crate::sync::lock::{Guard, Lock};
 use crate::sync::shared;
 use crate::sync::slot::Slot;
 
-/// What the links with a key know of those who sign with it.
+/// The streams that the links with a key have heard.
 #[derive(Default)]
 struct Streams {
     received: StreamTable,
@@ -106,7 +106,7 @@ impl Signing {
     fn use_key(&self, py: Python<'_>, key: Option<SecretKey>) {
         self.has_key.store(key.is_some(), Relaxed);
         self.state().set_key(key);
-        // What was shared was with links of the key before.
+        // The old table is shared with links of the old key.
         let streams = self.with_streams(|streams| Streams {
             received: streams.received.clone(),
             seen: streams.seen.begun_anew(),
@@ -148,7 +148,7 @@ impl Signing {
         Ok(block)
     }
 
-    /// Counts a frame that carries a signature which nobody checks.
+    /// Counts a frame with a signature that is not checked.
     pub(crate) fn note_signed(&self) {
         shared::add(&self.seen, 1);
     }

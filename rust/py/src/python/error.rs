@@ -37,7 +37,7 @@ create_exception!(
     "The bridge refuses a request: a name is taken or unknown, there are too many links, or it has stopped."
 );
 
-/// What most functions of the extension give.
+/// The result of most functions of the extension.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Why a function of the extension failed.
@@ -59,7 +59,7 @@ pub(crate) enum Error {
         path: PathBuf,
         /// The error of the operating system.
         error: io::Error,
-        /// What to do about it, behind the system's text.
+        /// The next step for the user, behind the system's text.
         advice: &'static str,
     },
     /// There is not enough memory.

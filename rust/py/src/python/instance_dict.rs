@@ -4,7 +4,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-/// The dictionary of any object that has one, whatever its class says about `__dict__`.
+/// The dictionary of any object that has one, past the `__dict__` of its class.
 pub(crate) fn generic_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     // SAFETY: the argument is a live object; the call returns a new reference to its dictionary or sets an exception.
     let dict = unsafe {

@@ -24,7 +24,7 @@ pub(crate) fn list<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>) -
     if object.is_instance_of::<PyString>() {
         return Err(PyTypeError::new_err("a list is needed, not a string"));
     }
-    // Who says so is believed, before a million items are taken; who says less is not.
+    // A length that is too large is believed before a million items are taken, a smaller one is not.
     if object.len().is_ok_and(|len| len > MAX_ITEMS) {
         return Err(too_long());
     }

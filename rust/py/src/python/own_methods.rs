@@ -1,4 +1,4 @@
-//! Methods that native code stands for, and whether a program replaced one.
+//! Methods whose work native code does, and whether a program replaced one.
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 

@@ -35,7 +35,7 @@ impl Exclusive {
     }
 }
 
-/// While it lives, no other call has the turn.
+/// The turn of one call, until it is dropped.
 pub(crate) struct TurnGuard<'a> {
     turn: &'a Exclusive,
     number: u64,

@@ -2,8 +2,8 @@
 //! the lock again.
 //!
 //! Nearly always the lock is free, and taken in two nanoseconds. A standard mutex is another five for every message sent.
-//! A thread that finds it held looks again every millisecond, as a free lock is handed to nobody: a thread that waits may
-//! be busy with a signal handler.
+//! A thread that finds it held looks again every millisecond. A free lock is not handed over: the thread that gets it may be
+//! busy with a signal handler.
 
 use std::thread::sleep;
 use std::time::Duration;
@@ -83,7 +83,7 @@ impl ThreadLock {
     }
 }
 
-/// While it lives, no other thread holds the lock, unless one went past.
+/// The lock held, until it is dropped, unless another thread goes past.
 pub(crate) struct ThreadGuard<'a> {
     lock: &'a ThreadLock,
     thread: u64,
