@@ -385,9 +385,10 @@ from mavwire.links import signing
 from unit.link_tools import KEY, Capture
 link, held = Capture(), threading.Event()
 def hold():
-    held.set()
-    threading.Event().wait()
-threading.Thread(target=signing._section.run, args=[hold], daemon=True).start()
+    with signing.section:
+        held.set()
+        threading.Event().wait()
+threading.Thread(target=hold, daemon=True).start()
 held.wait()
 pid = os.fork()
 if pid == 0:
