@@ -78,12 +78,11 @@ pub(crate) fn parse_buffer<'py>(
     if !feed(mav, s)? {
         return Ok(None);
     }
-    let (session, messages) = (Session::new(mav), PyList::empty(py));
-    while let Some(message) = session.next()? {
-        messages.append(message)?;
-    }
+    let mut messages = Vec::new();
+    let outcome = Session::new(mav).take_all(&mut messages);
     mav.get().parser().tidy();
-    Ok((!messages.is_empty()).then_some(messages))
+    outcome?;
+    if messages.is_empty() { Ok(None) } else { PyList::new(py, messages).map(Some) }
 }
 
 impl<'a, 'py> Session<'a, 'py> {
@@ -92,48 +91,56 @@ impl<'a, 'py> Session<'a, 'py> {
         Self { mav, signing: this.signing(mav.py()), robust: this.robust_parsing.load(Relaxed) }
     }
 
-    /// The next message in what was fed.
-    #[inline]
-    pub(super) fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
-        if let Some(message) = self.next_plain()? {
-            return Ok(Some(message));
+    /// Appends all messages in what was fed.
+    fn take_all(&self, messages: &mut Vec<Bound<'py, Message>>) -> PyResult<()> {
+        loop {
+            self.take_plain(messages)?;
+            let Some(message) = self.next()? else { return Ok(()) };
+            messages.push(message);
         }
+    }
+
+    /// The next message in what was fed.
+    pub(super) fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
         let this = self.mav.get();
         let step = this.parser().step(&this.dialect.get().registry, self.robust);
         self.take_step(step)
     }
 
-    /// The good frame of a known message at the front, where neither a signature nor code of the program decides about it.
-    #[inline]
-    fn next_plain(&self) -> PyResult<Option<Bound<'py, Message>>> {
+    /// Appends the good frames of known messages at the front, where neither a signature nor code of the program decides
+    /// about them.
+    fn take_plain(&self, messages: &mut Vec<Bound<'py, Message>>) -> PyResult<()> {
         let (py, this) = (self.mav.py(), self.mav.get());
         let signing = self.signing.as_ref().map(Bound::get);
         if this.shows_messages() || signing.is_some_and(Signing::has_key) {
-            return Ok(None);
+            return Ok(());
         }
         let dialect = this.dialect.get();
         let mut parser = this.parser();
-        let Some((index, len, stream)) = parser.take_good(&dialect.registry) else {
-            return Ok(None);
-        };
-        if let Some(signing) = signing
-            && matches!(stream, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0)
-        {
-            signing.note_signed();
-        }
-        let reused = dialect.known_class(index).and_then(|known| {
-            reused_frame(known.class.bind(py), known.info, stream, len, |message| message)
-        });
-        let message = match reused {
-            Some(message) => message,
-            None => {
-                let frame = FrameBytes::from(&stream[..len]);
-                drop(parser); // what is called may run code of the program
-                dialect.message(py, Some(index), frame, |message| message)?
+        while let Some((index, len, stream)) = parser.take_good(&dialect.registry) {
+            if let Some(signing) = signing
+                && matches!(stream, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0)
+            {
+                signing.note_signed();
             }
-        };
-        shared::add(&this.counters.packets_received, 1);
-        Ok(Some(message))
+            let reused = dialect.known_class(index).and_then(|known| {
+                reused_frame(known.class.bind(py), known.info, stream, len, |message| message)
+            });
+            if let Some(message) = reused {
+                messages.push(message);
+                shared::add(&this.counters.packets_received, 1);
+                continue;
+            }
+            let frame = FrameBytes::from(&stream[..len]);
+            drop(parser); // a new object may run code of the program
+            messages.push(dialect.message(py, Some(index), frame, |message| message)?);
+            shared::add(&this.counters.packets_received, 1);
+            if this.shows_messages() {
+                return Ok(());
+            }
+            parser = this.parser();
+        }
+        Ok(())
     }
 
     /// The message of a step of the parser, with counter and callback.
