@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 from .query import Query, Types, takes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Self
 
     from .common_clock import Span
@@ -19,6 +19,13 @@ class Log:
 
     path: str
     closed = False
+    messages: Callable[..., Iterator[Any]]
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.path!r}{' (closed)' if self.closed else ''}>"
+
+    def __iter__(self) -> Iterator[Any]:
+        return self.messages()
 
     @takes(Query, "systems", "fields", "start", "end")
     def read(

@@ -44,37 +44,25 @@ class DataflashLog(Log):
         if kind is LogKind.HEADERLESS:
             self._tables()  # which says so if there is no description further on either
 
-    def __repr__(self) -> str:
-        return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
-
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickling opens the log by its path."""
         return DataflashLog, (self.path,), {"closed": self.closed}
 
-    def _known(self) -> tuple[tuple[int, int], DataflashTables | None]:
-        """The status of the file, and the native reader if there is one of the file as it is."""
-        self._check_open()
-        status = file_status(self.path)
-        if self._surveyed is None or self._surveyed[0] != status:
-            return status, None
-        return self._surveyed
-
     def _tables(self) -> DataflashTables:
         """The native reader, renewed when the file has changed."""
-        status, tables = self._known()
-        if tables is None:
-            tables = open_dataflash(self.path, self.path)
-            if tables is None:
-                raise no_record("dataflash", self.path)
-            self._surveyed = status, tables
-        return tables
+        return self._opened(None)[0]
 
-    def _opened(self, selection: Selection) -> Opened:
-        """The native reader, and with a new one what was found on the way, in one pass."""
-        status, tables = self._known()
-        if tables is not None:
-            return tables, None
-        opened = read_dataflash(self.path, self.path, selection)
+    def _opened(self, selection: Selection | None) -> Opened:
+        """The native reader. A new one gives the tables of a selection in the same pass."""
+        self._check_open()
+        status = file_status(self.path)
+        if self._surveyed is not None and self._surveyed[0] == status:
+            return self._surveyed[1], None
+        if selection is not None:
+            opened = read_dataflash(self.path, self.path, selection)
+        else:
+            tables = open_dataflash(self.path, self.path)
+            opened = None if tables is None else (tables, None)
         if opened is None:
             raise no_record("dataflash", self.path)
         self._surveyed = status, opened[0]
@@ -86,9 +74,6 @@ class DataflashLog(Log):
         return self._tables().types()
 
     # -- messages
-
-    def __iter__(self) -> Iterator[Any]:
-        return self.messages()
 
     @takes(Records, "systems", "start", "end")
     def messages(

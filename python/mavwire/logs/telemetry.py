@@ -87,18 +87,12 @@ class TelemetryLog(Log):
         self._typed: tuple[tuple[int, int], dict[str, list[str]]] | None = None
         self._check()
 
-    def __repr__(self) -> str:
-        return f"<TelemetryLog {self.path!r}{' (closed)' if self.closed else ''}>"
-
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickling opens the log by its path and arguments."""
         arguments = self.path, portable(self._dialect), self.resync
         return _reopened, arguments, {"closed": self.closed}
 
     # -- messages
-
-    def __iter__(self) -> Iterator[Any]:
-        return self.messages()
 
     @takes(Records, "systems", "start", "end")
     def messages(
