@@ -48,9 +48,9 @@ def unknown(
 
 def tell_unknown_in(condition: str, log: Reading) -> None:
     """Warn of names in a condition that are neither message types nor functions: it never holds."""
-    from mavwire.plots.expressions import messages_read
+    from mavwire.plots.expressions import read_by
 
-    for problem in unknown(sorted(messages_read(condition)), log.link, "message type or function"):
+    for problem in unknown(sorted(read_by(condition)[0]), log.link, "message type or function"):
         tell(f"mavwire {log.command}: --condition: {problem}")
 
 

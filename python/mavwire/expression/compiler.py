@@ -107,12 +107,7 @@ def _name(node: ast.Name) -> Closure:
         except KeyError:
             return lookup(name, column)
 
-    def load_known(
-        variables: Any, budget: Budget
-    ) -> Any:  # a failed lookup costs more than the question
-        return variables[name] if name in variables else lookup(name, column)
-
-    return load_known if name in known_names() else load
+    return load
 
 
 def _attribute(node: ast.Attribute) -> Closure:

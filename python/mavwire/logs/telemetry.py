@@ -82,6 +82,7 @@ class TelemetryLog(Log):
         self.resync = resync
         self._dialect = dialect
         self.dialect = dialect_module(dialect)
+        self._native = self.dialect.MAVLink(None)._dialect
         self.compressed = False
         self._counted: tuple[tuple[int, int], int] | None = None
         self._typed: tuple[tuple[int, int], dict[str, list[str]]] | None = None
@@ -119,8 +120,7 @@ class TelemetryLog(Log):
         self._check_open()
         if self.compressed:
             raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
-        native = self.dialect.MAVLink(None)._dialect
-        return LogScan(self.path, native, self.resync == "rescan", selection)
+        return LogScan(self.path, self._native, self.resync == "rescan", selection)
 
     # -- tables
 
@@ -145,8 +145,7 @@ class TelemetryLog(Log):
         self._check_open()
         selection = Selection.of(self.dialect, what)
         selection.batch_rows = 0  # those of a block: nothing is cut into batches to look at one
-        native = self.dialect.MAVLink(None)._dialect
-        return next(batches_of(None, self.path, native, selection), None) is not None
+        return next(batches_of(None, self.path, self._native, selection), None) is not None
 
     @property
     def types(self) -> dict[str, list[str]]:
@@ -157,10 +156,9 @@ class TelemetryLog(Log):
 
         status = file_status(self.path)
         if self._typed is None or self._typed[0] != status:
-            native = self.dialect.MAVLink(None)._dialect
             ids = {cls.msgname: msgid for msgid, cls in self.dialect.mavlink_map.items()}
             found = {
-                name: no_rows(native, ids[name], Selection()).names
+                name: no_rows(self._native, ids[name], Selection()).names
                 for name in self.info().types
                 if name in ids
             }
@@ -180,7 +178,7 @@ class TelemetryLog(Log):
         from .summary import summarise
 
         self._check_open()
-        return summarise(self.path, self.dialect.MAVLink(None)._dialect, pulse)
+        return summarise(self.path, self._native, pulse)
 
     # -- opening
 
@@ -211,8 +209,7 @@ class TelemetryLog(Log):
         """Whether there is a record in the first blocks, and the damage of a compressed file."""
         from mavwire._native import LogColumns
 
-        native = self.dialect.MAVLink(None)._dialect
-        run = LogColumns(self.path, native, Selection(batch_rows=0))
+        run = LogColumns(self.path, self._native, Selection(batch_rows=0))
         return any(map(any, islice(run, blocks))), run.progress()[2]
 
 

@@ -46,16 +46,10 @@ def _degrees(lat: float, lon: float, scaled: bool) -> tuple[float, float]:
 
 def _lat_lon(MSG: Any) -> tuple[float, float] | None:
     """Latitude and longitude of any kind of message; None where it has none."""
-    if hasattr(MSG, "Lat") and hasattr(MSG, "Lng"):
-        return MSG.Lat, MSG.Lng
-    if hasattr(MSG, "Lat") and hasattr(MSG, "Lon"):
-        return MSG.Lat, MSG.Lon
-    if hasattr(MSG, "cog"):
-        return _degrees(MSG.lat, MSG.lon, scaled=True)
-    if hasattr(MSG, "lat") and hasattr(MSG, "lon"):
-        return _degrees(MSG.lat, MSG.lon, scaled=False)
-    if hasattr(MSG, "lat") and hasattr(MSG, "lng"):
-        return _degrees(MSG.lat, MSG.lng, scaled=False)
+    for lat, lon in (("Lat", "Lng"), ("Lat", "Lon"), ("lat", "lon"), ("lat", "lng")):
+        if hasattr(MSG, lat) and hasattr(MSG, lon):
+            position = getattr(MSG, lat), getattr(MSG, lon)
+            return position if lat == "Lat" else _degrees(*position, scaled=hasattr(MSG, "cog"))
     return None
 
 

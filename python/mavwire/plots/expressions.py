@@ -114,20 +114,15 @@ def parse(text: str) -> Expression:
     )  # fmt: skip
 
 
-def places_read(text: str | None) -> Places:
-    """The fields that a condition reads; none where it is no expression, as evaluating it will say."""
+def read_by(condition: str | None) -> tuple[frozenset[str], Places]:
+    """The messages and fields that a condition reads; none of one that is no expression, as evaluating
+    it will say.
+    """
     try:
-        return frozenset() if text is None else parse(text).places
+        parsed = None if condition is None else parse(condition)
     except ValueError:
-        return frozenset()
-
-
-def messages_read(text: str) -> frozenset[str]:
-    """The messages that a condition names; none where it is no expression, as evaluating it will say."""
-    try:
-        return parse(text).types
-    except ValueError:
-        return frozenset()
+        parsed = None
+    return (frozenset(), frozenset()) if parsed is None else (parsed.types, parsed.places)
 
 
 def _messages(trees: list[ast.Expression]) -> set[str]:

@@ -16,7 +16,7 @@ from mavwire.links.recognise import DATAFLASH, log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
-from .expressions import Expression, as_number, column_of, places_read, why_nothing
+from .expressions import Expression, as_number, column_of, read_by, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ def _from_messages(
             wanted.setdefault(name, []).append(one)
     changes: list[tuple[float, str]] = []
     messages: dict[str, Any] = {}
-    condition_places = places_read(how.condition)
+    condition_places = read_by(how.condition)[1]
     types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
     for msg, link in vehicle_messages(path, types, how.system, how.dialect):
         time = time_of(msg)

@@ -100,7 +100,7 @@ impl From<ArrowError> for Error {
 
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
-        // The text of an exception may be a program's own `__str__`, which nobody has asked for here.
+        // The text of an exception may be a program's own `__str__`, which must not run here.
         let text = if let Error::Python(_) = error { String::new() } else { error.to_string() };
         match error {
             Error::Python(error) => error,
