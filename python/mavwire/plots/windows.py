@@ -17,13 +17,13 @@ BLIND = frozenset(("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"))
 
 
 class Figures:
-    """Some figures. `output` is an image file; where it is None they are shown in windows.
+    """Figures for the image file `output`, or for windows if it is None.
 
-    Raises ImportError without matplotlib, ValueError for an image that it does not write, RuntimeError
-    where there is no display.
+    Raises ImportError without matplotlib. ValueError is for an image that it does not write, and for
+    windows without a display; `option` draws an image then.
     """
 
-    def __init__(self, output: str | None) -> None:
+    def __init__(self, output: str | None, option: str = "--image") -> None:
         try:
             import matplotlib
             from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -34,7 +34,7 @@ class Figures:
         self._figures: dict[str, Any] = {}
         if output is None:
             if matplotlib.get_backend().lower() in BLIND:
-                raise RuntimeError(NO_DISPLAY)
+                raise ValueError(f"{NO_DISPLAY}; {option} FILE draws an image")
             return
         formats = FigureCanvasAgg(Figure()).get_supported_filetypes()
         if os.path.splitext(output)[1].removeprefix(".").lower() not in formats:
