@@ -78,12 +78,3 @@ def of_fields(
         kept = dict.fromkeys(column for column in (*front, *wanted) if column in table.columns)
         parts[name] = table.select(list(kept))
     return parts
-
-
-def possible_columns(table: Table) -> set[str]:
-    """The columns, and of telemetry those of raw bytes that there are where a text is no UTF-8."""
-    columns = set(table.columns)
-    if columns.issuperset(HEADER):
-        texts = (name for name, kind in table._batches.types().items() if kind == "Utf8")
-        columns.update(f"{name}_raw" for name in texts)
-    return columns

@@ -62,7 +62,7 @@ class Log:
         The other arguments are those of `read`, but `invalid` is "null" by default with
         `method="linear"`: a line to 65535 is no course of values.
         """
-        from .align import align, check_clock, of_fields, possible_columns
+        from .align import align, check_clock, of_fields
         from .checks import check_fields
         from .selection import names_of, separate_fields
 
@@ -74,7 +74,7 @@ class Log:
         wanted = {*names, on} if on is not None else set(names)
         every = self.read(sorted(wanted), **query)
         if fields is not None:
-            check_fields(set().union(*map(possible_columns, every.values())), fields)
+            check_fields(set().union(*(table.columns for table in every.values())), fields)
         tables = of_fields(every, fields, several=True)
         return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
 
