@@ -43,21 +43,11 @@ def open_source(path: str) -> IO[bytes]:
     raise OSError(errno.ESPIPE, "a pipe, of which nothing can be read again", path)
 
 
-class LocalFile:
+class LocalFile(Replacement):
     """A file that is written beside its place and moved there when it is complete."""
 
     def __init__(self, path: str, remote: str) -> None:
-        self.path = os.path.join(path, local_name(remote)) if os.path.isdir(path) else path
-        self._place = Replacement(self.path)
-        self.file: IO[bytes] = self._place.file
-
-    def finish(self) -> None:
-        """Move it to its place."""
-        self._place.finish()
-
-    def discard(self) -> None:
-        """Remove what there is of it."""
-        self._place.discard()
+        super().__init__(os.path.join(path, local_name(remote)) if os.path.isdir(path) else path)
 
 
 class Memory:

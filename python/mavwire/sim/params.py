@@ -80,10 +80,6 @@ class Parameters(Service, Mapping[str, float]):
         low, high = _RANGES[kind]
         return float(max(low, min(high, round(value))))
 
-    def value(self, name: str) -> float:
-        """One value."""
-        return self._values[name]
-
     def kind(self, name: str) -> int:
         """MAV_PARAM_TYPE of one."""
         return self._table[self._index[name]].type

@@ -40,7 +40,7 @@ class Streams(Service):
         """Rates as the personality and the parameters say; those asked for by message stay."""
         rates = dict(self.vehicle.personality.streams)
         for group, name in self.vehicle.personality.stream_params.items():
-            rate = self.vehicle.params.value(name)
+            rate = self.vehicle.params[name]
             rates.update(dict.fromkeys(self.vehicle.personality.stream_groups[group], rate))
         self._defaults = {name: _ticks(rate) for name, rate in rates.items() if rate > 0}
         asked = {name: ticks for name, ticks in self._periods.items() if name in self._asked}

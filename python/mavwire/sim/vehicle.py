@@ -310,7 +310,7 @@ class Vehicle:
             self.streams.load_rates()
 
     def _load_tuning(self) -> None:
-        self.personality.tuning(self.params.value, self.tuning)
+        self.personality.tuning(self.params, self.tuning)
         self.battery.capacity = self.tuning.battery_capacity
 
     def position_found(self) -> None:

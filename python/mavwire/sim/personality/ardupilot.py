@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from mavwire.dialects.v20 import all as mavlink
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 CRITICAL = mavlink.MAV_SEVERITY_CRITICAL
 WARNING = mavlink.MAV_SEVERITY_WARNING
-NOTICE = mavlink.MAV_SEVERITY_NOTICE
 INFO = mavlink.MAV_SEVERITY_INFO
 
 BY_HAND = CUSTOM | STABILIZE | MANUAL_INPUT
@@ -192,20 +191,20 @@ class ArduPilot(Personality):
         return "missing takeoff command" if autopilot.copter.landed and not lifts else None
 
     def mission_waits(self, autopilot: Autopilot) -> bool:
-        options = int(autopilot.vehicle.params.value("AUTO_OPTIONS"))
+        options = int(autopilot.vehicle.params["AUTO_OPTIONS"])
         return not options & AUTO_ALLOW_TAKEOFF and not autopilot.sticks.throttle > 0
 
     def arming_failures(self, autopilot: Autopilot) -> list[str]:
         params, mode = autopilot.vehicle.params, autopilot.mode
         failures = []
-        if params.value("ARMING_CHECK"):
+        if params["ARMING_CHECK"]:
             if autopilot.sensors.gps_fix < mavlink.GPS_FIX_TYPE_3D_FIX:
                 failures.append("PreArm: GPS 1: Bad fix")
             if not autopilot.position_ok:
                 failures.append("PreArm: Need Position Estimate")
             if autopilot.battery_low:
                 failures.append("PreArm: Battery 1 below minimum arming capacity")
-        options = int(params.value("AUTO_OPTIONS"))
+        options = int(params["AUTO_OPTIONS"])
         allowed = mode.role is Role.MISSION and options & AUTO_ALLOW_ARMING
         if not mode.armable and not allowed:
             failures.append(f"Arm: {mode.name} mode not armable")
@@ -216,18 +215,18 @@ class ArduPilot(Personality):
             return autopilot.copter.place.alt
         return altitude if frame in ABSOLUTE else altitude + autopilot.home_place.alt
 
-    def tuning(self, value: Callable[[str], float], tuning: Tuning) -> None:
-        tuning.cruise_speed = value("WPNAV_SPEED") / 100
-        tuning.climb_speed = value("WPNAV_SPEED_UP") / 100
-        tuning.descent_speed = value("WPNAV_SPEED_DN") / 100
-        tuning.land_speed = value("LAND_SPEED") / 100
-        tuning.slow_below = value("LAND_ALT_LOW") / 100
-        tuning.arrival_radius = value("WPNAV_RADIUS") / 100
-        tuning.return_height = value("RTL_ALT") / 100
-        tuning.return_loiter = value("RTL_LOIT_TIME") / 1000
-        tuning.disarm_delay = value("DISARM_DELAY") or -1.0
-        tuning.battery_capacity = value("BATT_CAPACITY")
-        low = value("BATT_LOW_MAH")
+    def tuning(self, params: Mapping[str, float], tuning: Tuning) -> None:
+        tuning.cruise_speed = params["WPNAV_SPEED"] / 100
+        tuning.climb_speed = params["WPNAV_SPEED_UP"] / 100
+        tuning.descent_speed = params["WPNAV_SPEED_DN"] / 100
+        tuning.land_speed = params["LAND_SPEED"] / 100
+        tuning.slow_below = params["LAND_ALT_LOW"] / 100
+        tuning.arrival_radius = params["WPNAV_RADIUS"] / 100
+        tuning.return_height = params["RTL_ALT"] / 100
+        tuning.return_loiter = params["RTL_LOIT_TIME"] / 1000
+        tuning.disarm_delay = params["DISARM_DELAY"] or -1.0
+        tuning.battery_capacity = params["BATT_CAPACITY"]
+        low = params["BATT_LOW_MAH"]
         tuning.battery_low = 100 * low / max(tuning.battery_capacity, 1) or LOW_MAH_PER_CENT
 
     def files(self, vehicle: Vehicle) -> Mapping[str, bytes]:

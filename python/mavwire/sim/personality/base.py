@@ -7,7 +7,7 @@ said about it. A personality holds all of that; the rest of the simulation asks 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING, ClassVar
@@ -169,8 +169,8 @@ class Personality:
 
     # -- parameters and files
 
-    def tuning(self, value: Callable[[str], float], tuning: Tuning) -> None:
-        """Set `tuning` as the parameters say; `value` reads one."""
+    def tuning(self, params: Mapping[str, float], tuning: Tuning) -> None:
+        """Set `tuning` as the parameters say."""
         raise NotImplementedError
 
     def files(self, vehicle: Vehicle) -> Mapping[str, bytes]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from mavwire.dialects.v20 import all as mavlink
@@ -171,7 +171,7 @@ class Px4(Personality):
 
     def arming_failures(self, autopilot: Autopilot) -> list[str]:
         failures = []
-        if not autopilot.position_ok and not autopilot.vehicle.params.value("COM_ARM_WO_GPS"):
+        if not autopilot.position_ok and not autopilot.vehicle.params["COM_ARM_WO_GPS"]:
             failures.append("Arming denied: Resolve system health failures first")
         if not autopilot.mode.armable:
             failures.append(f"Arming denied: not in mode {autopilot.mode.name}")
@@ -184,20 +184,20 @@ class Px4(Personality):
             return autopilot.copter.place.alt
         return altitude + autopilot.home_place.alt if frame in RELATIVE else altitude
 
-    def tuning(self, value: Callable[[str], float], tuning: Tuning) -> None:
-        tuning.cruise_speed = value("MPC_XY_CRUISE")
-        tuning.climb_speed = value("MPC_Z_VEL_MAX_UP")
-        tuning.descent_speed = value("MPC_Z_VEL_MAX_DN")
-        tuning.land_speed = value("MPC_LAND_SPEED")
-        tuning.slow_below = value("MPC_LAND_ALT2")
-        tuning.arrival_radius = value("NAV_ACC_RAD")
-        tuning.return_height = value("RTL_RETURN_ALT")
-        tuning.return_loiter = max(value("RTL_LAND_DELAY"), 0.0)
-        tuning.takeoff_height = value("MIS_TAKEOFF_ALT")
-        tuning.disarm_delay = value("COM_DISARM_PRFLT") or -1.0
-        tuning.landed_disarm_delay = value("COM_DISARM_LAND") or -1.0
-        tuning.battery_capacity = value("BAT1_CAPACITY")
-        tuning.battery_low = 100 * value("BAT_LOW_THR")
+    def tuning(self, params: Mapping[str, float], tuning: Tuning) -> None:
+        tuning.cruise_speed = params["MPC_XY_CRUISE"]
+        tuning.climb_speed = params["MPC_Z_VEL_MAX_UP"]
+        tuning.descent_speed = params["MPC_Z_VEL_MAX_DN"]
+        tuning.land_speed = params["MPC_LAND_SPEED"]
+        tuning.slow_below = params["MPC_LAND_ALT2"]
+        tuning.arrival_radius = params["NAV_ACC_RAD"]
+        tuning.return_height = params["RTL_RETURN_ALT"]
+        tuning.return_loiter = max(params["RTL_LAND_DELAY"], 0.0)
+        tuning.takeoff_height = params["MIS_TAKEOFF_ALT"]
+        tuning.disarm_delay = params["COM_DISARM_PRFLT"] or -1.0
+        tuning.landed_disarm_delay = params["COM_DISARM_LAND"] or -1.0
+        tuning.battery_capacity = params["BAT1_CAPACITY"]
+        tuning.battery_low = 100 * params["BAT_LOW_THR"]
 
     def files(self, vehicle: Vehicle) -> Mapping[str, bytes]:
         return {
