@@ -6,7 +6,8 @@ here are cut by concern so that a program which opens one UDP port never pays fo
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable as Callable
     from typing import Any as Any
 else:
-    # `typing` takes longer to load than all of mavutil.
-    Any = object
+    # For annotations alone. `typing` takes longer to load than all of mavutil.
+    Any = Callable = object

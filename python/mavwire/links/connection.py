@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 from mavwire._native import LogKind
 
-from . import state
+from . import Any, Callable, state
 from .recognise import (
     DATAFLASH,
     TELEMETRY,
@@ -23,11 +23,6 @@ from .recognise import (
     log_kind,
     mode_of,
 )
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 
 class Options(SimpleNamespace):

@@ -11,16 +11,11 @@ from _weakref import ref
 
 from mavwire._native import Signing as SigningState
 
-from . import state
+from . import Any, Callable, state
 from .link_ids import section
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .target import Target
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 KEY_LEN = 32
 MAX_LINK_ID = 255

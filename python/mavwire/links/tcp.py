@@ -6,17 +6,13 @@ import time
 
 from mavwire._native import close_port
 
+from . import Any, Callable
 from .chunked import READ_SIZE
 from .names import connect_to
 from .readiness import from_handler
 from .reconnecting import ReconnectingLink
 from .stream import PortError, ask_port
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 # How long one attempt may take.
 CONNECT_TIMEOUT = 5.0

@@ -15,14 +15,10 @@ from functools import partial
 from io import FileIO
 from time import monotonic
 
+from . import Any, Callable
 from .readiness import from_handler
 from .signing_time import MAX_TIMESTAMP
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 # How far ahead is stored: ten seconds. Restarting more often than that runs ahead of the clock.
 RESERVE = 10 * 100 * 1000

@@ -5,14 +5,10 @@ The native `Link.post_message` keeps the rest. It calls the methods here for the
 
 from __future__ import annotations
 
+from . import Any, Callable
 from .modes import mode_string_v10
 from .target import Target
 from .vehicle_state import mavfile_state, param_state
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3
 MAV_AUTOPILOT_INVALID = 8

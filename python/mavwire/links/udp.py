@@ -10,8 +10,9 @@ import errno
 import time
 from time import monotonic
 
-from mavwire._native import MAVLink, PortError, ask_port, close_port, peer_to_replace
+from mavwire._native import MAVLink, Message, PortError, ask_port, close_port, peer_to_replace
 
+from . import Any
 from .chunked import ChunkedLink
 from .names import look_up
 from .readiness import from_handler
@@ -24,12 +25,6 @@ from .waiting import (
     split_host_port,
 )
 from .warn import warn
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
-    from mavwire._native import Message
 
 UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message.

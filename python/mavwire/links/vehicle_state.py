@@ -7,16 +7,9 @@ known keys are updated and new ones are left out.
 from __future__ import annotations
 
 from mavwire import _native
-from mavwire._native import SystemState, forget_states
+from mavwire._native import Message, SystemState, forget_states
 
-from . import state
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
-
-    from mavwire._native import Message
+from . import Any, Callable, state
 
 MAV_TYPE_FIXED_WING = 1
 MAV_AUTOPILOT_GENERIC = 0
@@ -65,14 +58,9 @@ class SystemStates(dict[int, mavfile_state]):
     """`sysid_state` of a link: system id -> state. Links keep the states they found at hand, and
     are told when that may no longer be right."""
 
-    if not TYPE_CHECKING:
-        __setitem__ = _forgetting("__setitem__")
-        __delitem__ = _forgetting("__delitem__")
-        __ior__ = _forgetting("__ior__")
-        pop = _forgetting("pop")
-        popitem = _forgetting("popitem")
-        clear = _forgetting("clear")
-        update = _forgetting("update")
+
+for _name in ("__setitem__", "__delitem__", "__ior__", "pop", "popitem", "clear", "update"):
+    setattr(SystemStates, _name, _forgetting(_name))
 
 
 class param_state:
