@@ -50,19 +50,21 @@ class Tracking(Target):
         )
 
     def _on_heartbeat(self, msg: Any, sender: mavfile_state) -> None:
-        if self.probably_vehicle_heartbeat(msg):
-            self._on_vehicle(msg, sender)
-            sender.armed = msg.base_mode & MAV_MODE_FLAG_SAFETY_ARMED
-
-    def _on_vehicle(self, msg: Any, sender: mavfile_state) -> None:
+        if not self.probably_vehicle_heartbeat(msg):
+            return
         if self.sysid == 0:
             self.sysid = msg.get_srcSystem()
         sender.flightmode = mode_string_v10(msg)
         sender.mav_type = msg.type
         sender.mav_autopilot = msg.autopilot
+        sender.armed = msg.base_mode & MAV_MODE_FLAG_SAFETY_ARMED
 
     def _on_high_latency2(self, msg: Any, sender: mavfile_state) -> None:
-        self._on_vehicle(msg, sender)
+        if self.sysid == 0:
+            self.sysid = msg.get_srcSystem()
+        sender.flightmode = mode_string_v10(msg)
+        sender.mav_type = msg.type
+        sender.mav_autopilot = msg.autopilot
         if msg.autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA:
             sender.base_mode = msg.custom0
             sender.armed = msg.custom0 & MAV_MODE_FLAG_SAFETY_ARMED
