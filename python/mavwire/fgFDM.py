@@ -172,10 +172,6 @@ class fgFDM:
             raise fgFDMError(f"unable to pack - {error}") from error
 
 
-def _integers() -> frozenset[int]:
-    """Which values of a packet are integers."""
-    packed = struct.unpack(_PACK_STRING, bytes(struct.calcsize(_PACK_STRING)))
-    return frozenset(index for index, value in enumerate(packed) if isinstance(value, int))
-
-
-_INTEGERS = _integers()
+_EMPTY = struct.unpack(_PACK_STRING, bytes(struct.calcsize(_PACK_STRING)))
+# The places of integers in a packet.
+_INTEGERS = frozenset(place for place, value in enumerate(_EMPTY) if isinstance(value, int))

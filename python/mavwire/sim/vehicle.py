@@ -32,13 +32,14 @@ from .service import Handler, Service
 from .signing import Signing
 from .steering import Tuning
 from .streams import TICK, Streams
-from .texts import Texts
 from .timesync import Timesync
 
 COMPONENT = mavlink.MAV_COMP_ID_AUTOPILOT1
 # A start time that does not depend on today.
 EPOCH = 1_704_067_200.0
 MAX_STEP = 3600.0
+# Bytes of a text in one STATUSTEXT.
+TEXT_CHUNK = 50
 # Vehicles that start together do not start inside each other.
 SPACING = 5.0
 
@@ -115,8 +116,7 @@ class Vehicle:
         self.plans = {kind: Plan(kind) for kind in (MISSION, FENCE, RALLY)}
         self.servos: dict[int, int] = {}
         self.armed_unix_us = self.takeoff_unix_us = 0
-        self._texts = Texts()
-        self._events_sent = 0
+        self._text_number = self._events_sent = 0
         self._load_tuning()
         self.guided = Guided(self)
         self.autopilot = Autopilot(self)
@@ -278,9 +278,16 @@ class Vehicle:
     # -- texts
 
     def text(self, severity: int, text: str) -> None:
-        """Say something: STATUSTEXT with MAV_SEVERITY."""
-        for msg in self._texts.messages(severity, text):
-            self.send(msg)
+        """Say something: STATUSTEXT with MAV_SEVERITY, in as many chunks as it takes."""
+        data, number = text.encode(), 0
+        chunks = [data]
+        if len(data) > TEXT_CHUNK:
+            number = self._text_number = self._text_number % 65535 + 1  # not 0
+            # An empty chunk closes a text whose last chunk is full.
+            starts = range(0, len(data) + 1, TEXT_CHUNK)
+            chunks = [data[at : at + TEXT_CHUNK] for at in starts]
+        for index, chunk in enumerate(chunks):
+            self.send(mavlink.MAVLink_statustext_message(severity, chunk, number, index))
 
     def phrase(self, key: str, **values: Any) -> str:
         """A text in the words of the autopilot."""
