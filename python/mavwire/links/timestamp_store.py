@@ -11,6 +11,8 @@ import errno
 import os
 import stat
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from io import FileIO
 from time import monotonic
@@ -57,12 +59,8 @@ class TimestampStore:
         self._save(timestamp, LOCK_PATIENCE)
 
     def _save(self, timestamp: int, patience: float) -> None:
-        with _made(self._path) as file:
-            try:
-                _lock(file.fileno(), self._path, patience)
-                self._put(file.fileno(), timestamp)
-            finally:
-                _unlock(file.fileno())
+        with _made(self._path) as file, _locked(file.fileno(), self._path, patience):
+            self._put(file.fileno(), timestamp)
 
     def _put(self, fd: int, timestamp: int) -> None:
         """Write `timestamp` over the earlier of both, unless one is as late."""
@@ -131,32 +129,31 @@ def _made(path: str) -> FileIO:
     return _opened(path, "r+")
 
 
-def _lock(fd: int, path: str, patience: float) -> None:
+@contextmanager
+def _locked(fd: int, path: str, patience: float) -> Iterator[None]:
     """Keep others out, where the platform can: two that overwrite the same slot would leave the smaller timestamp.
     OSError where it takes more than `patience` seconds.
     """
     try:
         import fcntl
     except ImportError:
+        yield
         return
     deadline = monotonic() + patience
-    while True:
-        try:
-            return fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            if monotonic() > deadline:
-                reason = f"was locked by others for {patience} s"
-                raise OSError(errno.EAGAIN, reason, path) from None
-        time.sleep(LOCK_INTERVAL)
-
-
-def _unlock(fd: int) -> None:
-    """Let others in, also where a process that was forked meanwhile has a copy of `fd`."""
     try:
-        import fcntl
-    except ImportError:
-        return
-    fcntl.flock(fd, fcntl.LOCK_UN)
+        while True:
+            try:
+                fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if monotonic() > deadline:
+                    reason = f"was locked by others for {patience} s"
+                    raise OSError(errno.EAGAIN, reason, path) from None
+            time.sleep(LOCK_INTERVAL)
+        yield
+    finally:
+        # A process that was forked meanwhile may have a copy of `fd`.
+        fcntl.flock(fd, fcntl.LOCK_UN)
 
 
 def _packed(timestamp: int) -> bytes:

@@ -16,7 +16,7 @@ import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
-from mavwire.links import state, timestamp_store
+from mavwire.links import state
 from mavwire.links.link_ids import claim
 from mavwire.links.timestamp_store import TimestampStore
 from unit.faults import ENVIRONMENT, python
@@ -331,12 +331,17 @@ def test_a_signal_handler_that_raises_is_no_failing_store(tmp_path, monkeypatch)
 
 
 def test_a_store_whose_unlocking_fails_is_not_left_locked(tmp_path, monkeypatch):
-    def fail(fd):
-        raise OSError(errno.ENOLCK, "No locks available")
+    fcntl = pytest.importorskip("fcntl")
+    lock = fcntl.flock
+
+    def fail(fd, operation):
+        if operation == fcntl.LOCK_UN:
+            raise OSError(errno.ENOLCK, "No locks available")
+        lock(fd, operation)
 
     store = TimestampStore(tmp_path / "store")
     with monkeypatch.context() as patch:
-        patch.setattr(timestamp_store, "_unlock", fail)
+        patch.setattr(fcntl, "flock", fail)
         with pytest.raises(OSError, match="No locks"):
             store.save(1)
     with watched(WAIT):
