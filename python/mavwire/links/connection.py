@@ -65,9 +65,11 @@ def _stream(name: str) -> Callable[[str, Options], Any]:
     """Opens a client over a stream socket, of the class `name`."""
 
     def open_stream(address: str, o: Options) -> Any:
-        retries = _checked(o.retries, "retries", "", -math.inf, math.inf)
+        retries, pauses = _checked(o.retries, "retries", "", -math.inf, math.inf), o.pauses
+        if name == "mavtcp":  # which pymavlink gives the default, too
+            pauses = {"reconnect_delay": o.reconnect_delay}
         return getattr(state.public, name)(
-            address, autoreconnect=o.autoreconnect, retries=retries, **o.pauses, **o.common
+            address, autoreconnect=o.autoreconnect, retries=retries, **pauses, **o.common
         )
 
     return open_stream
