@@ -25,6 +25,7 @@ from .parameters import Parameters
 from .pump import Pump
 from .stream import Newest, Stream, newer
 from .texts import Texts
+from .timestamps import AheadStore
 from .transports import transport_of
 
 BACKLOG = 4096
@@ -202,15 +203,15 @@ class Link(Parameters):
         timestamp_store: Any = None,
         max_ahead: float | None = None,
     ) -> None:
-        """`sync.setup_signing`, with the same arguments and errors. A thread reads the `timestamp_store`
-        at first. Later the loop writes it, every ten seconds at most."""
+        """`sync.setup_signing`, with the same arguments and errors, but a `timestamp_store`
+        does not hold up the loop: it is read and written by threads."""
+        begin = self.sync._begin_signing
         policy = (secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
-        arguments = (*policy, timestamp_store, max_ahead)
         if timestamp_store is None:
-            begun = prepared(*arguments)
+            begin(prepared(*policy, None, max_ahead))
         else:
-            begun = await in_background(lambda: prepared(*arguments))
-        self.sync._begin_signing(begun)
+            store = AheadStore(timestamp_store)
+            begin(await in_background(lambda: prepared(*policy, store, max_ahead)))
 
     # -- state
 
