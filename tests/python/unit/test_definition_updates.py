@@ -58,7 +58,9 @@ def test_a_newer_set_is_the_dialect_upstream(
 ) -> None:
     before = len(upstream().mavlink_map)
     assert cli.main(["definitions", "update", str(checkout(tmp_path))]) == 0
-    assert f"upstream has {before + 1} messages now" in capsys.readouterr().out
+    assert (
+        f"upstream has {before + 1} messages now, new are GREENHOUSE\n" in capsys.readouterr().out
+    )
     module = upstream()
     assert len(module.mavlink_map) == before + 1 and module.MAVLINK_MSG_ID_GREENHOUSE == 54000
     assert "A house." in (module.MAVLink_greenhouse_message.__doc__ or "")

@@ -150,11 +150,12 @@ def update(sources: list[str]) -> str:
 
     if not sources:
         raise CommandError("name a folder, an archive or an https address, or say --revert")
+    before = _installed.dialect("2.0") or Dialect.builtin(UPSTREAM, "2.0")
     try:
         sets, days = zip(*map(fetch, sources), strict=True)
-        counts = [
-            len(Dialect.upstream_with(list(sets), wire).messages()) for wire in ("1.0", "2.0")
-        ]
+        _, messages = (
+            dict(Dialect.upstream_with([*sets], wire).messages()) for wire in ("1.0", "2.0")
+        )
     except DefinitionError as error:
         raise CommandError(f"nothing installed: {error}") from None
     newest = max(filter(None, days), default=None)
@@ -170,7 +171,9 @@ def update(sources: list[str]) -> str:
             file.write(archive.read_bytes())
     with replacing(archive) as file:
         file.write(_installed.packed(sets, facts))
-    return f"installed in {archive}: {UPSTREAM} has {counts[-1]} messages now"
+    new = [*(messages.keys() - dict(before.messages()))]
+    names = f", new are {', '.join(sorted(new))}" if new else ""
+    return f"installed in {archive}: {UPSTREAM} has {len(messages)} messages now{names}"
 
 
 def revert() -> str:
