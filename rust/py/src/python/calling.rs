@@ -67,9 +67,7 @@ pub(crate) trait Calling<'py>: PyAnyMethods<'py> {
     fn invoke_method0(
         &self,
         name: impl IntoPyObject<'py, Target = PyString>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.invoke_method1(name, ())
-    }
+    ) -> PyResult<Bound<'py, PyAny>>;
 
     /// `self.name(argument)` without a tuple of arguments.
     fn invoke_method_with(
@@ -110,13 +108,23 @@ impl<'py> Calling<'py> for Bound<'py, PyAny> {
         guarded(self.py(), || unsafe { call()(self.as_ptr(), args.as_ptr(), kwargs) })
     }
 
+    fn invoke_method0(
+        &self,
+        name: impl IntoPyObject<'py, Target = PyString>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let name = name.into_pyobject(self.py()).map_err(Into::into)?;
+        let (name, end) = (name.as_borrowed(), null_mut::<PyObject>());
+        // SAFETY: live objects; null ends the arguments. See `call_method`.
+        guarded(self.py(), || unsafe { call_method()(self.as_ptr(), name.as_ptr(), end) })
+    }
+
     fn invoke_method_with(
         &self,
         name: &Bound<'py, PyString>,
         argument: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (argument, end) = (argument.as_ptr(), null_mut::<PyObject>());
-        // SAFETY: live objects; null ends the arguments. See `call_method`.
+        // SAFETY: as above.
         guarded(self.py(), || unsafe { call_method()(self.as_ptr(), name.as_ptr(), argument, end) })
     }
 }
