@@ -72,10 +72,8 @@ impl<'py> Plain<'py> {
             needs_python: changes_state || has_hooks,
         };
         shared::add(&mav.counters.packets_received, 1);
-        if header.is_signed()
-            && let Some(signing) = mav.signing(py)
-        {
-            signing.get().note_signed();
+        if header.is_signed() {
+            mav.note_signed(py);
         }
         Some(plain)
     }

@@ -34,7 +34,7 @@ pub(crate) fn field_raw<'py>(
 
 /// Text before the first NUL; each byte that is not ASCII becomes U+FFFD.
 pub(crate) fn text<'py>(py: Python<'py>, raw: &[u8]) -> Bound<'py, PyString> {
-    let mut text = String::new();
+    let mut text = String::with_capacity(raw.len());
     write_bytes_text(&mut text, raw);
     PyString::new(py, &text)
 }

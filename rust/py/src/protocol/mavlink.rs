@@ -15,6 +15,7 @@ use crate::python::calling::Calling;
 use crate::python::intern::Interned;
 use crate::python::lists::collected;
 use crate::sync::lock::{Guard, Lock};
+use crate::sync::shared;
 use crate::sync::slot::Slot;
 
 /// A callback. Attributes of the `MAVLink` object hold what else it is called with.
@@ -175,6 +176,14 @@ impl MAVLink {
     /// Whether frames have to be shown to signing.
     pub(crate) fn checks_signatures(&self, py: Python<'_>) -> bool {
         self.signing.is_some_and(py, |signing| signing.get().has_key())
+    }
+
+    /// Counts a frame with a signature that is not checked.
+    #[cold]
+    pub(crate) fn note_signed(&self, py: Python<'_>) {
+        if let Some(signing) = self.signing(py) {
+            shared::add(&signing.get().seen, 1);
+        }
     }
 
     /// Whether each message is shown: to a callback, or to a subclass's own `decode`.

@@ -111,17 +111,14 @@ impl<'a, 'py> Session<'a, 'py> {
     /// about them.
     fn take_plain(&self, messages: &mut Vec<Bound<'py, Message>>) -> PyResult<()> {
         let (py, this) = (self.mav.py(), self.mav.get());
-        let signing = self.signing.as_ref().map(Bound::get);
-        if this.shows_messages() || signing.is_some_and(Signing::has_key) {
+        if this.shows_messages() || this.checks_signatures(py) {
             return Ok(());
         }
         let dialect = this.dialect.get();
         let mut parser = this.parser();
         while let Some((index, len, stream)) = parser.take_good(&dialect.registry) {
-            if let Some(signing) = signing
-                && matches!(stream, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0)
-            {
-                signing.note_signed();
+            if matches!(stream, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0) {
+                this.note_signed(py);
             }
             let reused = dialect.known_class(index).and_then(|known| {
                 reused_frame(known.class.bind(py), known.info, stream, len, |message| message)

@@ -16,7 +16,6 @@ use crate::python::calling::{Calling, truth};
 use crate::python::error::{Error, Result};
 use crate::python::lists::bytes_like;
 use crate::sync::lock::{Guard, Lock};
-use crate::sync::shared;
 use crate::sync::slot::Slot;
 
 /// The streams that the links with a key have heard.
@@ -146,11 +145,6 @@ impl Signing {
         let (_, block) = self.state().sign(frame, link_id, now).map_err(Error::from)?;
         self.store_timestamp()?;
         Ok(block)
-    }
-
-    /// Counts a frame with a signature that is not checked.
-    pub(crate) fn note_signed(&self) {
-        shared::add(&self.seen, 1);
     }
 }
 
