@@ -24,8 +24,13 @@ use mavwire_core::frame::FrameBytes;
 
 /// Takes the input; true if a message may be complete now.
 pub(super) fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let data = bytes_like(data)?;
-    let bytes = data.cast::<PyBytes>()?.as_bytes();
+    let converted;
+    let bytes = if let Ok(bytes) = data.cast_exact::<PyBytes>() {
+        bytes.as_bytes()
+    } else {
+        converted = bytes_like(data)?;
+        converted.cast::<PyBytes>()?.as_bytes()
+    };
     let this = mav.get();
     let mut parser = this.parser();
     // A program may hand over more than there is memory for twice.
@@ -101,6 +106,7 @@ impl<'a, 'py> Session<'a, 'py> {
     }
 
     /// The next message in what was fed.
+    #[inline]
     pub(super) fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
         let this = self.mav.get();
         let step = this.parser().step(&this.dialect.get().registry, self.robust);

@@ -25,6 +25,10 @@ pub(crate) fn unsigned(value: Borrowed<'_, '_, PyAny>) -> Option<u64> {
 /// A `float`, or an `int` that is no subclass and fits into one without loss. Runs no Python code, like all functions here.
 #[inline]
 pub(crate) fn float(value: Borrowed<'_, '_, PyAny>) -> Option<f64> {
+    if value.is_exact_instance_of::<PyFloat>() {
+        // SAFETY: the object is a float.
+        return Some(unsafe { ffi::PyFloat_AsDouble(value.as_ptr()) });
+    }
     if !value.is_exact_instance_of::<PyInt>() {
         return value.cast::<PyFloat>().ok().map(|float| float.value());
     }
