@@ -210,10 +210,9 @@ impl Parser {
         let (len, entry) = self.scanner.next_good(unread, registry)?;
         self.parsed += len;
         self.awaited = 1;
-        let stream = &self.buffer[self.parsed - len..];
         self.have_prefix_error = false;
-        self.expected_length = header_len(stream[0]) + CHECKSUM_LEN;
-        Some((entry.index, len, stream))
+        self.expected_length = header_len(unread[0]) + CHECKSUM_LEN;
+        Some((entry.index, len, unread))
     }
 
     /// The next thing in the unread bytes.
