@@ -47,7 +47,6 @@ pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
 pub use tap::Tap;
 
 use std::io::{self, Write as _};
-use std::ops::Range;
 use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -240,23 +239,22 @@ impl Bridge {
     /// The bridge has stopped, or something is no whole frame or has a wrong checksum; then none is sent.
     pub fn send(&self, frames: &[u8]) -> Result<(), BridgeError> {
         let (mut scanner, len) = (Scanner::new(Resync::Skip), frames.len());
-        let (mut at, mut pieces) = (0, Vec::<Range<usize>>::new());
+        let (mut at, mut start, mut pieces) = (0, 0, Vec::new());
         while at < len {
-            match scanner.next(&frames[at..], &self.registry) {
-                Found::Frame { len, .. } => at += len,
+            let end = match scanner.next(&frames[at..], &self.registry) {
+                Found::Frame { len, .. } => at + len,
                 Found::Rejected { error, .. } => {
                     return Err(BridgeError::BadFrame { at, len, error });
                 }
                 _ => return Err(BridgeError::NoFrame { at, len }),
+            };
+            if end - start > SENT_PIECE {
+                pieces.push(start..at);
+                start = at;
             }
-            match pieces.last_mut() {
-                Some(piece) if at - piece.start <= SENT_PIECE => piece.end = at,
-                last => {
-                    let start = last.map_or(0, |piece| piece.end);
-                    pieces.push(start..at);
-                }
-            }
+            at = end;
         }
+        pieces.push(start..len);
         pieces.into_iter().try_for_each(|piece| self.tell(Command::Send(frames[piece].into())))
     }
 

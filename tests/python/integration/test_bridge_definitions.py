@@ -15,7 +15,7 @@ from mavwire import Bridge
 from mavwire.bridge.inspector_view import View
 from mavwire.dialects import load
 from mavwire.dialects.v20 import all as mavlink
-from unit.bridge_tools import LIMIT, UDP, peers, receive, report, udp_peer, wait_until
+from unit.bridge_tools import LIMIT, UDP, peers, receive, udp_peer, wait_until
 from unit.link_tools import heartbeat
 
 CAMERA_FEEDBACK = 180
@@ -171,15 +171,17 @@ endpoint = "{OTHER_UDP}"
 def test_the_first_dialect_that_knows_an_id_names_it(vendor_xml: str) -> None:
     with Bridge(dialect=["ardupilotmega", vendor_xml, "ASLUAV"]) as bridge:
         feedback = mavlink.MAVLink_camera_feedback_message(0, 1, 2, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+        bridge.add(UDP, name="in")
         frames = bridge.frames(types=["CAMERA_FEEDBACK"])
-        bridge.send(feedback)
-        bridge.send(vendor(7))
+        with udp_peer(bridge, "in") as sender:
+            sender.send(feedback.pack(mavlink.MAVLink(None, 1, 1)))
+            sender.send(vendor(7))
         names: list[str] = []
         while len(names) < 2:
             batch = frames.next(LIMIT)
             assert batch is not None
             names += [message.get_type() for message in batch]
         assert names == ["CAMERA_FEEDBACK", "VENDOR_FEEDBACK"]
-        assert bridge._message_id("SENS_POWER") == 201
-        assert report(bridge, "program")["unknown"] == []
-        assert [kind.name for kind in bridge.kinds()] == ["CAMERA_FEEDBACK"]
+        assert bridge._message_id("SENS_POWER") == 8002
+        assert [one["unknown"] for one in bridge.stats()["links"]] == [[], [], []]
+        assert [kind.name for kind in bridge.kinds()] == ["VENDOR_FEEDBACK"]  # the newest

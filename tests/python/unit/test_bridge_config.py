@@ -402,7 +402,7 @@ def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
 
 def test_several_dialects_are_a_list(tmp_path: Path) -> None:
     bridge = Bridge.from_options(load(tmp_path, "bridge.toml", "dialect = ['common', 'ASLUAV']"))
-    assert bridge._message_id("SENS_POWER") == 201
+    assert bridge._message_id("SENS_POWER") == 8002
     for text in ("dialect = []", "dialect = [5]", "dialect = ['nope']", "dialect = 5"):
         with pytest.raises(ConfigError, match=r"bridge\.toml:1: dialect"):
             Bridge.from_options(load(tmp_path, "bridge.toml", text))
