@@ -56,7 +56,6 @@ class Selection:
     """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     descriptions: dict[str, tuple[str, dict[str, str]]] | None = None
     """Texts of messages and their fields for the schemas of MCAP files."""
-    untimed: bool = False
     batch_rows: int | None = None
     batch_bytes: int | None = None
     foreign: dict[str, str] | None = None

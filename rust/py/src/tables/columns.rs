@@ -56,8 +56,6 @@ pub(crate) struct Query {
     pub(crate) descriptions: Option<Descriptions>,
     /// Messages that the dialect does not define become a table.
     unknown_table: bool,
-    /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
-    untimed: bool,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
     batch_rows: Option<usize>,
     /// Bytes that all batches under way may have.
@@ -120,7 +118,7 @@ impl Query {
 
     /// Refuses a log without times if only records of some time are wanted.
     pub(crate) fn check_times(&self, has_times: bool) -> Result<(), Error> {
-        if has_times || self.untimed || !self.is_timed() { Ok(()) } else { Err(Error::Untimed) }
+        if has_times || !self.is_timed() { Ok(()) } else { Err(Error::Untimed) }
     }
 }
 
