@@ -73,9 +73,9 @@ class Missions(Service):
 
     def _plan(self, msg: Any) -> Plan | None:
         """The plan that a message is about; one of an unknown type is refused."""
-        plan: Plan | None = self.vehicle.plans.get(msg.mission_type)
+        plan: Plan | None = self.vehicle.plans.get(_type_of(msg))
         if plan is None:
-            self._ack(sender(msg), mavlink.MAV_MISSION_UNSUPPORTED, msg.mission_type)
+            self._ack(sender(msg), mavlink.MAV_MISSION_UNSUPPORTED, _type_of(msg))
         return plan
 
     def _ack(self, to: Address, result: int, mission_type: int) -> None:
@@ -141,14 +141,14 @@ class Missions(Service):
         self._ack(upload.partner, result, upload.plan.mission_type)
 
     def _on_item(self, msg: Any) -> None:
-        if msg.current in (GUIDED_ITEM, ALTITUDE_ITEM) and msg.mission_type == MISSION:
+        if msg.current in (GUIDED_ITEM, ALTITUDE_ITEM) and _type_of(msg) == MISSION:
             self._guided(msg)
             return
         upload, from_whom = self._upload, sender(msg)
         if upload is None or upload.partner != from_whom:
             self._repeated(msg)
             return
-        if msg.mission_type != upload.plan.mission_type:
+        if _type_of(msg) != upload.plan.mission_type:
             self._abort(upload, mavlink.MAV_MISSION_INVALID)
             return
         if msg.seq != upload.wanted:
@@ -248,7 +248,7 @@ class Missions(Service):
         return Plan.home_item(self.vehicle.autopilot.home_place)
 
     def _on_clear(self, msg: Any) -> None:
-        everything = msg.mission_type == mavlink.MAV_MISSION_TYPE_ALL
+        everything = _type_of(msg) == mavlink.MAV_MISSION_TYPE_ALL
         plans = list(self.vehicle.plans.values()) if everything else [self._plan(msg)]
         for plan in plans:
             if plan is None:
@@ -256,7 +256,7 @@ class Missions(Service):
             plan.store([])
             if plan.mission_type == MISSION:
                 self.vehicle.mission_changed()
-        self._ack(sender(msg), mavlink.MAV_MISSION_ACCEPTED, msg.mission_type)
+        self._ack(sender(msg), mavlink.MAV_MISSION_ACCEPTED, _type_of(msg))
 
     def _on_set_current(self, msg: Any) -> None:
         from .autopilot import RefusedError
@@ -265,3 +265,9 @@ class Missions(Service):
             self.vehicle.autopilot.set_mission_current(msg.seq)
         except RefusedError as error:
             self.vehicle.text(mavlink.MAV_SEVERITY_WARNING, f"Mission: {error}")
+
+
+def _type_of(msg: Any) -> int:
+    """MAV_MISSION_TYPE. Messages of MAVLink 1 are about missions."""
+    kind: int = getattr(msg, "mission_type", MISSION)
+    return kind

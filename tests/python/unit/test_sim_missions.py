@@ -205,3 +205,17 @@ def test_a_single_item_sends_an_ardupilot_somewhere() -> None:
     assert vehicle.height == pytest.approx(12, abs=0.2)
     _, station = flying("px4")
     assert station.send(there)[0].type == mavlink.MAV_MISSION_UNSUPPORTED
+
+
+def test_messages_of_a_link_that_speaks_mavlink_1_are_about_missions() -> None:
+    """They have no mission type; one that asked for a list ended the thread of the simulator."""
+    from mavwire.dialects.v10 import all as mavlink1
+
+    vehicle = Vehicle("ardupilot")
+    vehicle.advance(5)
+    vehicle.take()
+    request = mavlink1.MAVLink_mission_request_list_message(1, 1)
+    mav = mavlink1.MAVLink(None, srcSystem=255, srcComponent=190)
+    for msg in mav.parse_buffer(request.pack(mav)) or ():
+        vehicle.handle(msg)
+    assert len(vehicle.take()) == 1
