@@ -97,7 +97,8 @@ impl LiveLink {
         if port.is_none() || !slf.getattr(intern!(py, "port"))?.is(port) {
             return Ok(false);
         }
-        slf.get().get_writer(py)?.get().end(port);
+        // Dropped when the link has no port any more.
+        let _before = slf.get().get_writer(py)?.get().end(port);
         slf.as_super().get().drop_partial();
         slf.setattr(intern!(py, "fd"), fd)?;
         slf.setattr(intern!(py, "port"), py.None())?;

@@ -67,10 +67,14 @@ impl StreamWriter {
         !self.queue.lock(py).unsent().is_empty()
     }
 
-    /// Sends no more to `port`. Drops and counts what is queued.
-    pub(crate) fn end(&self, port: &Bound<'_, PyAny>) {
+    /// Sends no more to `port`. Drops and counts what is queued. Returns the port before, since other threads may run while
+    /// its last reference is dropped.
+    #[must_use]
+    pub(crate) fn end<'py>(&self, port: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
+        let before = self.ended.get(port.py());
         self.ended.set(Some(port.clone().unbind()));
         self.clear(port.py());
+        before
     }
 
     fn has_ended(&self, port: &Bound<'_, PyAny>) -> bool {
