@@ -54,7 +54,6 @@ OUTPUT = 2
 INTERNAL = (
     "unknown",
     "descriptions",
-    "untimed",
     "tells_unknown",
     "batch_rows",
     "batch_bytes",
