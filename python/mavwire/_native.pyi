@@ -31,7 +31,13 @@ from mavwire._stubs.columns import (
     log_summary,
     write_table,
 )
-from mavwire._stubs.dataflash import DataflashReader, DataflashShape, DFMessage, MicrosClock
+from mavwire._stubs.dataflash import (
+    DataflashReader,
+    DataflashShape,
+    DFMessage,
+    MicrosClock,
+    gps_time,
+)
 from mavwire._stubs.links import (
     Link,
     LiveLink,
@@ -109,6 +115,7 @@ __all__ = [
     "empty_table",
     "field_type",
     "forget_states",
+    "gps_time",
     "head_to_utf8",
     "identify",
     "instance_dict",

@@ -13,75 +13,11 @@ from mavwire import _native
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import TypeGuard
-
     from mavwire._native import DFMessage
 
-SECONDS_PER_DAY = 86400
-# Unix time of 1980-01-06, when GPS weeks begin, and seconds that UTC has been set back since.
-GPS_EPOCH = 315964800
-LEAP_SECONDS = 18
 # Messages a second of a type whose rate is not known.
 DEFAULT_RATE = 50.0
 GPS_TYPES = ("GPS", "GPS2")
-
-
-def time_of_gps(
-    m: DFMessage, reckon: Callable[[float, float], float] | None = None
-) -> float | None:
-    """Unix time of a GPS message, by `reckon(week, msec)`. None if the message has no valid time."""
-    names = m.get_fieldnames()
-    for week, msec in (("Week", "TimeMS"), ("GWk", "GMS")):
-        if week in names and msec in names:
-            return _time_in(m, week, msec, reckon or _unix_time)
-    return None
-
-
-def tells_micros(m: DFMessage) -> bool:
-    """Whether a GPS message tells when the microseconds of its log began."""
-    week = number_in(m, "GWk") or 0
-    return week > 0 and None not in (_time_in(m, "GWk", "GMS", _unix_time), number_in(m, "TimeUS"))
-
-
-def tells_millis(m: DFMessage) -> bool:
-    """Whether an old GPS message tells when the milliseconds of its log began."""
-    return bool(number_in(m, "T")) and _time_in(m, "Week", "TimeMS", _unix_time) is not None
-
-
-def _time_in(
-    m: DFMessage, week: str, msec: str, reckon: Callable[[float, float], float]
-) -> float | None:
-    """Unix time by the columns of a GPS week and the milliseconds in it; week 0 is none."""
-    weeks, millis = number_in(m, week), number_in(m, msec)
-    if not weeks or millis is None:
-        return None
-    with suppress(OverflowError):  # of a week of hundreds of digits
-        time = reckon(weeks, millis)
-        return time if isfinite(time) else None
-    return None
-
-
-def number_in(m: DFMessage, column: str) -> float | None:
-    """The number in a column; None where there is none."""
-    with suppress(AttributeError, ValueError):
-        value = getattr(m, column)
-        return value if is_number(value) else None
-    return None
-
-
-def is_number(value: object) -> TypeGuard[float]:
-    """Whether something can be reckoned with: of a text log a value may be a text or a list, and an
-    integer may have any number of digits.
-    """
-    try:
-        return isinstance(value, int | float) and isfinite(value)
-    except OverflowError:
-        return False
-
-
-def _unix_time(week: float, msec: float) -> float:
-    return GPS_EPOCH + SECONDS_PER_DAY * 7 * week + msec * 0.001 - LEAP_SECONDS
 
 
 class DFReaderClock:
@@ -96,7 +32,7 @@ class DFReaderClock:
 
     def _gpsTimeToTime(self, week: float, msec: float) -> float:
         """Unix time of a GPS week and the milliseconds in it."""
-        return _unix_time(week, msec)
+        return _native.gps_time(week, msec)
 
     def set_timebase(self, base: float) -> None:
         """Set the Unix time of the log's zero."""
@@ -229,7 +165,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
 
     def gps_message_arrived(self, m: DFMessage) -> None:
         """Move the time base to a later GPS time, and learn the rates of the types on the way."""
-        time = time_of_gps(m, self._gpsTimeToTime)
+        time = self._time_of(m)
         if time is None or time <= self.timebase:
             return
         seconds = time - self.timebase
@@ -238,6 +174,17 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
             self.msg_rate[kind] = DEFAULT_RATE if kind == "IMU" else rate
         self.timebase = time
         self.counts_since_gps = {}
+
+    def _time_of(self, m: DFMessage) -> float | None:
+        """Unix time of a GPS message. None if the message has no valid time."""
+        names = m.get_fieldnames()
+        for week, msec in (("Week", "TimeMS"), ("GWk", "GMS")):
+            if week in names and msec in names:
+                with suppress(TypeError, ValueError, OverflowError):  # of values in a text log
+                    weeks = getattr(m, week)
+                    time = self._gpsTimeToTime(weeks, getattr(m, msec))
+                    return time if weeks and isfinite(time) else None
+        return None
 
     def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp` by the type's rate and its count since the GPS message."""

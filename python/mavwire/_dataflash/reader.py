@@ -22,10 +22,6 @@ from .clocks import (
     DFReaderClock_msec,
     DFReaderClock_px4,
     DFReaderClock_usec,
-    number_in,
-    tells_micros,
-    tells_millis,
-    time_of_gps,
 )
 from .formats import DFFormat
 from .metadata import DFMetaData
@@ -45,10 +41,6 @@ _VEHICLE_TEXTS = (
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
 # Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
-# Columns of GPS messages that tell when the log began, which counts microseconds or milliseconds.
-_MICROS = frozenset(("TimeUS", "GWk", "GMS"))
-_MILLIS = frozenset(("T", "Week", "TimeMS"))
-
 # Errors of arithmetic with the value of a column: a log may describe a time as a text or a list, and a
 # line of a text log may hold anything.
 _NO_NUMBER = (ValueError, TypeError, OverflowError)
@@ -118,21 +110,20 @@ class DFReader(_native.DataflashReader):
         contents = self._contents(progress_callback)
         self.unit_lookup = dict(contents["labels"])
         self.mult_lookup = dict(contents["multipliers"])
+        self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
+        self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
         for fmt in self._layouts:
-            self._set_units(fmt, contents["fields"].get(fmt.type))
+            if fmt.type in contents["fields"]:
+                unit_ids, mult_ids = contents["fields"][fmt.type]
+                fmt.set_unit_ids(unit_ids, self.unit_lookup)
+                fmt.set_mult_ids(mult_ids, self.mult_lookup)
         self._set_kinds([(fmt, self._instance_index(fmt)) for fmt in self._layouts])
-        self._first: list[int | None] = contents["first"]
         self._last_offset = contents["last"]
         self.junk_bytes: int = contents["junk"]
         self._rewind()
         self._read_first(contents)
         self._rewind(keep_messages=True)
         return contents
-
-    def _set_units(self, fmt: DFFormat, ids: tuple[str, str] | None) -> None:
-        if ids is not None:
-            fmt.set_unit_ids(ids[0], self.unit_lookup)
-            fmt.set_mult_ids(ids[1], self.mult_lookup)
 
     @staticmethod
     def _instance_index(fmt: DFFormat) -> int | None:
@@ -217,116 +208,43 @@ class DFReader(_native.DataflashReader):
 
     def init_clock(self) -> None:
         """Find out which clock the log has, and its time base."""
+        unit, told_at, first = self._find_clock()
         self._rewind(keep_messages=True)
-        if not self._init_clock_by_gps():
-            if not self._init_clock_by_fields():
-                self._use_rates()
-            self._read_to_the_end()
+        if unit == "usec":
+            self.init_clock_usec()
+        elif unit == "msec":
+            self.init_clock_msec()
+        elif unit == "rates":
+            self.init_clock_gps_interpolated(DFReaderClock_gps_interpolated())
+        m = self._read_to(told_at, None if unit == "rates" else _TIME_TYPES)
+        with suppress(
+            AttributeError, LookupError, *_NO_NUMBER
+        ):  # of messages that a program replaced
+            if unit == "px4":
+                newest = filter(None, map(self.messages.get, GPS_TYPES))
+                gps = [one for one in newest if "GPSTime" in one.get_fieldnames()]
+                self.init_clock_px4(self.messages["TIME"], m if m in gps else gps[0])
+            elif told_at is not None and unit != "rates" and not self._zero_time_base:
+                self.clock.find_time_base(m, first)
+        if self.clock is None:
+            self.init_clock_gps_interpolated(DFReaderClock_gps_interpolated())
         self._rewind(keep_messages=True)
         for name, m in list(self.messages.items()):
             if name not in ("MAV", "__MAV__"):
                 self._stamp(m)
         self.clock.rewind_event()
 
-    def _read_to_the_end(self) -> None:
-        """See every message, as looking for a GPS fix in vain does."""
-        self._rewind(keep_messages=True)
-        while self.recv_msg() is not None:
-            pass
+    def _read_to(self, offset: int | None, types: Any) -> Any:
+        """Read messages up to the one at an offset, which is the result, or all messages of all types.
 
-    def _init_clock_by_gps(self) -> bool:
-        """Look for a GPS message that tells the time; parameters are kept on the way."""
-        px4_time = px4_gps = None
-        rate_from = None
-        has_first = self._has_micros_of_gps()
-        while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
-            kind, names = m.get_type(), m.get_fieldnames()
-            if kind == "TIME":
-                px4_time = px4_time if number_in(m, "StartTime") is None else m
-            elif kind not in GPS_TYPES:
-                continue
-            elif _MICROS.issubset(names):
-                if (kind == "GPS" or not has_first) and tells_micros(m):
-                    self._use_usec(m)
-                    return True
-            elif _MILLIS.issubset(names):
-                if tells_millis(m):
-                    self._use_msec(m)
-                    return True
-            elif number_in(m, "GPSTime"):
-                px4_gps = m
-            if px4_time is not None and px4_gps is not None:
-                return self.init_clock_px4(px4_time, px4_gps)
-            # One that tells the time and not when that was: two that differ give rates.
-            time = time_of_gps(m) if {"Week", "TimeMS"}.issubset(names) else None
-            rate_from = time if rate_from is None else rate_from
-            if time not in (None, rate_from):
-                self._use_rates()
-                return True
-        return False
-
-    def _init_clock_by_fields(self) -> bool:
-        """No GPS: times since start, if there are any."""
-        if self._first_value("TimeUS") is not None:
-            self.init_clock_usec()
-        elif self._first_value("TimeMS", of_gps="T") is not None:
-            self.init_clock_msec()
-        else:
-            return False
-        return True
-
-    def _has_micros_of_gps(self) -> bool:
-        """Whether there are messages of the first receiver that could tell the time in microseconds:
-        those of the second do not count then.
+        pymavlink keeps the parameters of these messages.
         """
-        kinds = zip(self._layouts, self._first, strict=True)
-        return any(
-            fmt.name == "GPS" and _MICROS.issubset(fmt.columns)
-            for fmt, first in kinds
-            if first is not None
-        )
-
-    def _first_value(
-        self, column: str, of_gps: str | None = None, *, telling: bool = False
-    ) -> float | None:
-        """The number of a column in the first message that has one; of another column in GPS messages,
-        of which with `telling` only those count that tell the time.
-        """
-
-        def column_of(kind: str) -> str:
-            return of_gps if of_gps is not None and kind in GPS_TYPES else column
-
-        self._rewind(keep_messages=True)
-        types = {fmt.name for fmt in self._layouts if column_of(fmt.name) in fmt.colhash}
-        while types and (m := self.recv_match(type=types, strict=True)) is not None:
-            if telling and m.get_type() in GPS_TYPES and not tells_millis(m):
-                continue
-            if (value := number_in(m, column_of(m.get_type()))) is not None:
-                return value
-        return None
-
-    def _use_usec(self, gps: Any) -> None:
-        first = self._first_value("TimeUS")
-        self.init_clock_usec()
-        if not self._zero_time_base:
-            self.clock.find_time_base(gps, first)
-
-    def _use_msec(self, gps: Any) -> None:
-        first = self._first_value("TimeMS", of_gps="T", telling=True)
-        self.init_clock_msec()
-        if not self._zero_time_base:
-            self.clock.find_time_base(gps, first)
-
-    def _use_rates(self) -> None:
-        """Learn the rates of the types between the first two GPS messages of different times."""
-        self.init_clock_gps_interpolated(DFReaderClock_gps_interpolated())
-        self._rewind(keep_messages=True)
-        rate_from = None
-        while (m := self.recv_msg()) is not None:
-            time = time_of_gps(m) if m.get_type() in GPS_TYPES else None
-            rate_from = time if rate_from is None else rate_from
-            if time not in (None, rate_from):
-                return
+        m = None
+        while offset is None or self.offset <= offset:
+            m = self.recv_match(type=None if offset is None else types, strict=True)
+            if m is None:
+                break
+        return m
 
     def init_clock_usec(self) -> None:
         """Take the clock of logs with TimeUS."""

@@ -109,7 +109,8 @@ fn binary(path: &Path, chunk: usize, bytes: &[u8]) {
     let mut log = DataflashFile::in_chunks(path, chunk).expect("a file");
     assert_eq!(log.definitions().layouts(), definitions.layouts());
     let (mut found, mut at) = (Vec::new(), 0);
-    while let Some((entry, record)) = log.record_at(at).expect("a file") {
+    while let Some(entry) = log.entry_at(at).expect("a file") {
+        let record = log.bytes_at(entry.offset, entry.len.into());
         let start = entry.offset as usize;
         assert_eq!(record, &bytes[start..start + usize::from(entry.len)]);
         at = entry.offset + u64::from(entry.len);
@@ -150,10 +151,10 @@ fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     let is_record = |&(at, line): &(u64, &[u8])| Some((at, definitions.of_line(line, at)?));
     let whole: Vec<_> = ended().filter_map(is_record).collect();
     let (mut found, mut at) = (Vec::new(), 0);
-    while let Some((entry, line, next)) = log.record_at(at).expect("a file") {
-        assert!(bytes[entry.offset as usize..].starts_with(line));
+    while let Some(entry) = log.entry_at(at).expect("a file") {
+        assert!(bytes[entry.offset as usize..].starts_with(log.bytes_at(entry.offset, entry.len)));
         found.push((entry.offset, entry.layout));
-        at = next;
+        at = entry.next;
     }
     assert_eq!(found, whole);
     let contents = log.contents(&mut |_| true).expect("a file");

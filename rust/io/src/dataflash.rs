@@ -66,18 +66,18 @@ impl DataflashFile {
         &self.definitions
     }
 
-    /// The first record at or behind `offset`, and its bytes; `None` at the end of the log.
+    /// The first record at or behind `offset`; `None` at the end of the log.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     #[inline]
-    pub fn record_at(&mut self, offset: u64) -> io::Result<Option<(RecordEntry, &[u8])>> {
+    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<RecordEntry>> {
         let mut at = offset;
-        let entry = loop {
+        loop {
             let (bytes, last) = bytes_at(&mut self.window, self.len, at)?;
             match look(bytes, at, &self.definitions, last) {
                 Found::Record { len, layout } => {
-                    break RecordEntry { offset: at, layout, len: len as u8 };
+                    return Ok(Some(RecordEntry { offset: at, layout, len: len as u8 }));
                 }
                 Found::Junk { len } => at += len as u64,
                 Found::Incomplete => return Ok(None),
@@ -85,9 +85,13 @@ impl DataflashFile {
             if at >= self.len {
                 return Ok(None);
             }
-        };
-        let bytes = self.window.buffered(entry.offset);
-        Ok(bytes.get(..usize::from(entry.len)).map(|bytes| (entry, bytes)))
+        }
+    }
+
+    /// The first `len` bytes of the record that [`Self::entry_at`] found last, at `offset`.
+    #[inline]
+    pub fn bytes_at(&self, offset: u64, len: usize) -> &[u8] {
+        self.window.buffered(offset).get(..len).unwrap_or_default()
     }
 
     /// Passes over records of layouts that are not `wanted`, `most` of them at most, as far as that is quickly done; returns

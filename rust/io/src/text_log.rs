@@ -33,6 +33,19 @@ pub struct TextLogFile {
     longest: usize,
 }
 
+/// A line that is a record.
+#[derive(Debug, Clone, Copy)]
+pub struct LineEntry {
+    /// Where it starts.
+    pub offset: u64,
+    /// Index of its layout.
+    pub layout: u16,
+    /// Bytes without white space at the end.
+    pub len: usize,
+    /// Where the next line starts.
+    pub next: u64,
+}
+
 /// A line of the log.
 struct Line {
     /// Where it starts.
@@ -207,11 +220,11 @@ impl TextLogFile {
         }
     }
 
-    /// The first record at or behind `offset`, its line, and where the next line starts; `None` at the end of the log.
+    /// The first record at or behind `offset`; `None` at the end of the log.
     ///
     /// # Errors
-    /// What the operating system says.
-    pub fn record_at(&mut self, offset: u64) -> io::Result<Option<(RecordEntry, &[u8], u64)>> {
+    /// The error of the operating system.
+    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<LineEntry>> {
         let mut at = offset;
         while let Some(line) = self.line_at(at)? {
             at = line.next;
@@ -219,12 +232,16 @@ impl TextLogFile {
             if line.is_whole
                 && let Some(layout) = self.definitions.of_line(bytes, line.offset)
             {
-                let entry = RecordEntry { offset: line.offset, layout, len: 0 };
-                let len = bytes.len();
-                return Ok(Some((entry, &self.window.buffered(line.offset)[..len], at)));
+                let (offset, len) = (line.offset, bytes.len());
+                return Ok(Some(LineEntry { offset, layout, len, next: at }));
             }
         }
         Ok(None)
+    }
+
+    /// The first `len` bytes of the line that [`Self::entry_at`] found last, at `offset`.
+    pub fn bytes_at(&self, offset: u64, len: usize) -> &[u8] {
+        self.window.buffered(offset).get(..len).unwrap_or_default()
     }
 
     /// Goes through the whole log.
@@ -247,7 +264,10 @@ impl TextLogFile {
         let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
         let mut tally = LogContents::new(&layouts, units);
         let (mut at, mut told) = (0, 0);
-        while let Some((entry, line, next)) = self.record_at(at)? {
+        while let Some(found) = self.entry_at(at)? {
+            at = found.next;
+            let line = self.bytes_at(found.offset, found.len);
+            let entry = RecordEntry { offset: found.offset, layout: found.layout, len: 0 };
             let value = |index| nth_value(line, delimiter, index).unwrap_or_default();
             let named =
                 |layout: &Layout, name: &str| Some(decode_line(value(layout.field_index(name)?)));
@@ -256,7 +276,6 @@ impl TextLogFile {
                 |units, layout| units.add_values(&layout.name, |name| named(layout, name)),
                 |_, field| value(field),
             );
-            at = next;
             tell(progress, at, &mut told)?;
         }
         Ok(tally.finish())

@@ -36,7 +36,7 @@ mod _native {
     #[pymodule_export]
     use crate::bridge::core::{BridgeCore, BridgeTap};
     #[pymodule_export]
-    use crate::dataflash::clock::MicrosClock;
+    use crate::dataflash::clock::{MicrosClock, gps_time};
     #[pymodule_export]
     use crate::dataflash::message::DFMessage;
     #[pymodule_export]

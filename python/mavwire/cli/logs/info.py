@@ -52,11 +52,11 @@ class Summary:
     @property
     def since_start(self) -> bool:
         """Whether times are seconds since the autopilot's start, not since 1970."""
-        from mavwire._dataflash.clocks import GPS_EPOCH
+        from mavwire._native import gps_time
 
         # No clock that was set by GPS is earlier; without a fix there is the time since the start.
         stamped = self.telemetry and self.info.stamped
-        return not stamped and self.info.count.last < GPS_EPOCH
+        return not stamped and self.info.count.last < gps_time(0, 0)
 
     def rate(self, count: int) -> float:
         """A number of messages per second of the log."""

@@ -141,10 +141,10 @@ impl Run {
 
     /// Finds the records, from so far into a block up to a limit behind that, and takes in those that say something.
     fn hop(&mut self, bytes: &[u8], from: usize, limit: usize, at_end: bool) -> RecordIndex {
-        let place = self.offset + from as u64;
+        let offset = self.offset + from as u64;
         let Self { form, units, finder, telling, steps, .. } = self;
         let Form::Binary(definitions) = form else { return RecordIndex::default() };
-        let hops = hop(bytes, place, limit, definitions, at_end, steps.stretch);
+        let hops = hop(bytes, offset, limit, definitions, at_end, steps.stretch);
         let layouts = definitions.layouts();
         let mut teller = Teller::new(units, finder, telling, layouts);
         let telling = &*teller.telling;
@@ -154,6 +154,7 @@ impl Run {
             let body = &place.of(bytes)[HEAD_LEN..];
             teller.add(
                 place.layout,
+                offset + u64::from(place.at),
                 |units, layout| _ = units.add(layout, body),
                 |layout, i| layout.number(i, body),
             );
@@ -188,6 +189,7 @@ impl Run {
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
             teller.add(
                 layout,
+                place,
                 |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
                 |layout, i| number(layout.fields.get(i)?.kind, value(i)?),
             );
@@ -249,6 +251,7 @@ impl<'a> Teller<'a> {
     fn add(
         &mut self,
         layout: u16,
+        at: u64,
         units: impl FnOnce(&mut Units, &Layout),
         number: impl Fn(&Layout, usize) -> Option<f64>,
     ) {
@@ -257,7 +260,7 @@ impl<'a> Teller<'a> {
         }
         let layout = &self.layouts[usize::from(layout)];
         units(self.units, layout);
-        if self.finder.add(layout, |index| number(layout, index)) {
+        if self.finder.add(layout, at, |index| number(layout, index)) {
             for (telling, layout) in self.telling.iter_mut().zip(self.layouts) {
                 *telling = tells(self.finder, layout);
             }

@@ -15,7 +15,7 @@ mod records;
 pub mod text;
 mod units;
 
-pub use clock::{Clock, ClockFinder, TimeRule};
+pub use clock::{Clock, ClockFinder, ClockUnit, TimeRule, Told, gps_time};
 pub use definitions::{Definitions, MAX_DEFINITIONS};
 pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
 pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole};

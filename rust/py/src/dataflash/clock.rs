@@ -2,9 +2,15 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::log::dataflash::TimeUnit;
+use mavwire_core::log::dataflash::{self, TimeUnit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyInt, PyTuple};
+
+/// Unix time of a GPS week and the milliseconds in it.
+#[pyfunction]
+pub(crate) fn gps_time(week: f64, msec: f64) -> f64 {
+    dataflash::gps_time(week, msec)
+}
 
 /// Seconds, or one of two NaNs that no arithmetic makes: nothing yet, and the int 0, which programs see as the time of
 /// what was logged before any time was known.

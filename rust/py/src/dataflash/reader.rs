@@ -5,9 +5,10 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use mavwire_core::log::dataflash::ClockUnit;
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_io::dataflash::Contents;
-use mavwire_io::dataflash_log::{BUDGET, DataflashLog};
+use mavwire_io::dataflash_log::{BUDGET, DataflashLog, Step};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};
@@ -189,7 +190,7 @@ impl DataflashReader {
         let state = self.state.lock(py);
         let len = state.len.max(1);
         // With its own buffer: other threads and `progress` may read from the log meanwhile.
-        let mut source = state.source.clone().ok_or_else(closed)?;
+        let mut source = state.log.clone().ok_or_else(closed)?;
         drop(state);
         let (mut percent, mut failed) = (0, None);
         let result = py.detach(|| {
@@ -262,7 +263,7 @@ impl DataflashReader {
         state.offset = 0;
         state.latched = None;
         let before = std::mem::take(&mut state.kinds);
-        state.source = Some(source);
+        state.log = Some(source);
         drop(state);
         drop(before);
         Ok(layouts)
@@ -304,16 +305,31 @@ impl DataflashReader {
         drop(before);
     }
 
+    /// The unit of the log's clock, the offset of the record that tells its zero, and the first time in the unit.
+    fn _find_clock(&self, py: Python<'_>) -> PyResult<(&'static str, Option<u64>, f64)> {
+        let finder = self.walk(py, None, |log, tell| log.find_clock(tell))?;
+        let (told, clock) = (finder.told(), finder.finish());
+        let unit = told.map(|told| told.unit).or(clock.map(|clock| clock.unit));
+        let first = clock.map_or(0, |clock| clock.first.saturating_sub(clock.base)) as f64;
+        let (name, first) = match unit {
+            Some(ClockUnit::Micros) => ("usec", first),
+            Some(ClockUnit::Millis) => ("msec", first / 1e3),
+            Some(ClockUnit::Start) => ("px4", first),
+            Some(ClockUnit::Rates) | None => ("rates", 0.0),
+        };
+        Ok((name, told.map(|told| told.at), first))
+    }
+
     /// The text between values of a text log.
     fn _delimiter(&self, py: Python<'_>) -> Option<&'static str> {
         let state = self.state.lock(py);
-        state.source.as_ref()?.delimiter().map(Delimiter::text)
+        state.log.as_ref()?.delimiter().map(Delimiter::text)
     }
 
     /// The lines of a text log by their first characters, and how many there are at all.
     fn _lines(&self, py: Python<'_>) -> (Vec<(String, u64)>, u64) {
         let state = self.state.lock(py);
-        let Some(DataflashLog::Text(file)) = &state.source else { return (Vec::new(), 0) };
+        let Some(DataflashLog::Text(file)) = &state.log else { return (Vec::new(), 0) };
         let counts = file.counts().into_iter().map(|(key, count)| (key.to_owned(), count));
         (counts.collect(), file.lines())
     }
@@ -333,7 +349,7 @@ impl DataflashReader {
 
     /// Lets go of the file.
     fn _close(&self, py: Python<'_>) {
-        self.state.lock(py).source = None;
+        self.state.lock(py).log = None;
     }
 
     /// Reads from the start again, of any types.
@@ -469,23 +485,25 @@ impl DataflashReader {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
         let mut gil_yield = GilYield::new();
         loop {
-            gil_yield.give_way(py)?;
             let mut guard = self.state.lock(py);
             let state = &mut *guard;
-            let (Some(source), Some(wanted)) = (state.source.as_mut(), &state.latched) else {
+            let (Some(log), Some(wanted)) = (state.log.as_mut(), &state.latched) else {
                 return Ok(());
             };
-            for _ in 0..BUDGET {
-                let Some(record) = source.record_at(state.filtered_offset)? else {
-                    state.offset = state.len;
+            let mut budget = BUDGET;
+            match log.step(&mut state.filtered_offset, Some(wanted), &mut budget)? {
+                Step::Found(entry) => {
+                    state.offset = entry.offset;
                     return Ok(());
-                };
-                state.filtered_offset = record.next;
-                if wanted[record.layout] {
-                    state.offset = record.offset;
+                }
+                Step::Paused => {}
+                Step::End => {
+                    state.offset = state.len;
                     return Ok(());
                 }
             }
+            drop(guard);
+            gil_yield.give_way(py)?;
         }
     }
 

@@ -10,7 +10,7 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
 use mavwire_core::frame::FrameBytes;
-use mavwire_io::dataflash_log::{self, DataflashLog};
+use mavwire_io::dataflash_log::{self, DataflashLog, Step};
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;
@@ -48,7 +48,7 @@ impl Kind {
 
 /// See the module.
 pub(super) struct State {
-    pub(super) source: Option<DataflashLog>,
+    pub(super) log: Option<DataflashLog>,
     pub(super) kinds: Vec<Kind>,
     pub(super) offset: u64,
     /// Length of the log when it was opened.
@@ -84,7 +84,7 @@ pub(super) enum Search {
 impl State {
     pub(super) fn new(py: Python<'_>) -> Self {
         Self {
-            source: None,
+            log: None,
             kinds: Vec::new(),
             offset: 0,
             len: 0,
@@ -105,64 +105,42 @@ impl State {
         mut budget: u32,
     ) -> PyResult<Search> {
         let py = owner.py();
-        let source = self.source.as_mut().ok_or_else(closed)?;
+        let log = self.log.as_mut().ok_or_else(closed)?;
         let wanted = self.latched.as_ref().filter(|_| latched);
-        let delimiter = source.delimiter();
-        let mut at = if wanted.is_some() { self.filtered_offset } else { self.offset };
-        loop {
-            if let Some(wanted) = wanted {
-                let passed;
-                (at, passed) = source.pass(at, wanted, budget)?;
-                self.filtered_offset = at;
-                budget -= passed;
-                if budget == 0 {
-                    return Ok(Search::Paused);
-                }
-            }
-            let Some(record) = source.record_at(at)? else {
+        let delimiter = log.delimiter();
+        let at = if wanted.is_some() { &mut self.filtered_offset } else { &mut self.offset };
+        let entry = match log.step(at, wanted.map(Vec::as_slice), &mut budget)? {
+            Step::Found(entry) => entry,
+            Step::Paused => return Ok(Search::Paused),
+            Step::End => {
                 self.offset = self.len;
                 return Ok(Search::End);
-            };
-            at = record.next;
-            if wanted.is_some_and(|wanted| !wanted[record.layout]) {
-                self.filtered_offset = at;
-                budget -= 1;
-                if budget == 0 {
-                    return Ok(Search::Paused);
-                }
-                continue;
             }
-            self.offset = at;
-            if wanted.is_some() {
-                self.filtered_offset = at;
-            }
-            let kind = &self.kinds[record.layout];
-            let layout = &kind.names.layout;
-            let message = DFMessage::read(
-                Arc::clone(&kind.names),
-                FrameBytes::from(record.bytes),
-                delimiter,
-                kind.format.clone_ref(py),
-                owner.clone().unbind(),
-            );
-            let clock = self.clock.as_ref().filter(|_| stamps);
-            if let Some(clock) = clock {
-                let seconds = dataflash_log::seconds(layout, record.bytes, delimiter);
-                let unit = layout.time.map(|(_, unit)| unit);
-                clock.get().stamp(&message.timestamp, seconds, unit);
-            }
-            let key = kind.instance.map(|_| {
-                let bytes = kind.instance_bytes(record.bytes).filter(|_| delimiter.is_none());
-                let known = bytes.and_then(|bytes| kind.keys.get(bytes));
-                known.map(|key| key.clone_ref(py)).ok_or_else(|| bytes.unwrap_or_default().into())
-            });
-            return Ok(Search::Found(Taken {
-                message,
-                kind: record.layout,
-                key,
-                stamped: clock.is_some(),
-            }));
+        };
+        self.offset = entry.next;
+        let bytes = log.bytes(entry);
+        let kind = &self.kinds[entry.layout];
+        let layout = &kind.names.layout;
+        let message = DFMessage::read(
+            Arc::clone(&kind.names),
+            FrameBytes::from(bytes),
+            delimiter,
+            kind.format.clone_ref(py),
+            owner.clone().unbind(),
+        );
+        let clock = self.clock.as_ref().filter(|_| stamps);
+        if let Some(clock) = clock {
+            let seconds = dataflash_log::seconds(layout, bytes, delimiter);
+            let unit = layout.time.map(|(_, unit)| unit);
+            clock.get().stamp(&message.timestamp, seconds, unit);
         }
+        let key = kind.instance.map(|_| {
+            let bytes = kind.instance_bytes(bytes).filter(|_| delimiter.is_none());
+            let known = bytes.and_then(|bytes| kind.keys.get(bytes));
+            known.map(|key| key.clone_ref(py)).ok_or_else(|| bytes.unwrap_or_default().into())
+        });
+        let stamped = clock.is_some();
+        Ok(Search::Found(Taken { message, kind: entry.layout, key, stamped }))
     }
 
     /// Remembers the key of an instance.

@@ -1,70 +1,93 @@
 //! Times of records: a log counts from the autopilot's start, and a GPS record tells when that was.
 //!
-//! The answers are those of `DFReader` of the Python package, in whole microseconds. Logs of very old firmware whose records
-//! carry no time at all have no clock here.
+//! [`ClockFinder`] finds the record for tables and for `DFReader` of the Python package. Logs of very old firmware whose records
+//! carry no time have no [`Clock`]. `DFReader` then reckons with the rates of the record types.
 
 use super::field::FieldKind;
 use super::layout::{Field, Layout, TimeUnit};
 
-/// Unix time of 1980-01-06, when GPS weeks begin, less the seconds that UTC has been set back since.
-const GPS_EPOCH: f64 = 315_964_800.0 - 18.0;
+/// Unix time of 1980-01-06, when GPS weeks begin.
+const GPS_EPOCH: f64 = 315_964_800.0;
+/// GPS time is ahead of UTC by these seconds.
+const LEAP_SECONDS: f64 = 18.0;
 const WEEK: f64 = 7.0 * 86_400.0;
 
-/// What the time of a record of some type is.
+/// Unix time of a GPS week and the milliseconds in it.
+pub fn gps_time(week: f64, msec: f64) -> f64 {
+    // In pymavlink's order: another one differs in the last digit.
+    GPS_EPOCH + WEEK * week + msec * 0.001 - LEAP_SECONDS
+}
+
+/// The rule for the time of a type's records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeRule {
-    /// The field with this index, so many microseconds for each unit, behind the log's start.
+    /// The log's start plus the field with this index, whose unit has so many microseconds.
     Field(usize, i64),
-    /// The same, but never before the time of the record in front.
+    /// The same, but never before the time of the previous record.
     NotBefore(usize, i64),
-    /// That of the record in front.
+    /// The time of the previous record.
     Before,
 }
 
-/// What the clock of a log counts.
+/// The time that the records of a log count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Unit {
+pub enum ClockUnit {
     /// `TimeUS`.
     Micros,
     /// `TimeMS`, and `T` in GPS records.
     Millis,
     /// `StartTime` of TIME records.
     Start,
+    /// None: only GPS records have a time, which is not that of the log.
+    Rates,
+}
+
+/// A record that tells when the log began.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    /// The time that the log counts.
+    pub unit: ClockUnit,
+    /// Where the record starts in the log.
+    pub at: u64,
+    /// Microseconds since 1970 at the log's zero.
+    zero: f64,
 }
 
 /// The clock of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clock {
-    unit: Unit,
-    /// Microseconds since 1970 at the log's zero; 0 where no GPS record tells.
+    /// The time that the log counts.
+    pub unit: ClockUnit,
+    /// Microseconds since 1970 at the log's zero; 0 if no GPS record tells it.
     pub base: i64,
-    /// The time of records in front of the first one that has a time.
+    /// The time of the records before the first one with a time.
     pub first: i64,
 }
 
 impl Clock {
-    /// What the time of a type's records is.
+    /// The rule for the time of a type's records.
     pub fn rule(&self, layout: &Layout) -> TimeRule {
-        let field = |name: &str| layout.field_index(name).filter(|&i| is_number(&layout.fields[i]));
-        let of =
-            |name, micros| field(name).map_or(TimeRule::Before, |i| TimeRule::Field(i, micros));
-        match self.unit {
-            Unit::Micros => match layout.time.filter(|&(i, _)| is_number(&layout.fields[i])) {
-                Some((index, TimeUnit::Micros)) => TimeRule::Field(index, 1),
-                Some((index, TimeUnit::Millis)) => TimeRule::NotBefore(index, 1000),
-                None => TimeRule::Before,
-            },
-            Unit::Millis if layout.fields.first().is_some_and(|first| first.name == "TimeMS") => {
-                of("TimeMS", 1000)
+        let number = |index: &usize| is_number(&layout.fields[*index]);
+        let starts_with = |name| layout.fields.first().is_some_and(|field| field.name == name);
+        let (name, micros) = match self.unit {
+            ClockUnit::Micros => {
+                return match layout.time.filter(|(index, _)| number(index)) {
+                    Some((index, TimeUnit::Micros)) => TimeRule::Field(index, 1),
+                    Some((index, TimeUnit::Millis)) => TimeRule::NotBefore(index, 1000),
+                    None => TimeRule::Before,
+                };
             }
-            Unit::Millis if is_gps(&layout.name) => of("T", 1000),
-            Unit::Start if layout.name == "TIME" => of("StartTime", 1),
-            Unit::Millis | Unit::Start => TimeRule::Before,
-        }
+            ClockUnit::Millis if starts_with("TimeMS") => ("TimeMS", 1000),
+            ClockUnit::Millis if is_gps(&layout.name) => ("T", 1000),
+            ClockUnit::Start if layout.name == "TIME" => ("StartTime", 1),
+            _ => return TimeRule::Before,
+        };
+        let index = layout.field_index(name).filter(number);
+        index.map_or(TimeRule::Before, |index| TimeRule::Field(index, micros))
     }
 
-    /// The time of a record by its rule; `count` gives the number in a field, so many times, and `newest` is the time of
-    /// the record in front.
+    /// The time of a record by its rule. `count` gives the number in a field, so many times. `newest` is the time of the
+    /// previous record.
     #[inline]
     pub fn stamp(
         &self,
@@ -76,15 +99,13 @@ impl Clock {
             |index, micros| count(index, micros).map(|since| self.base.saturating_add(since));
         match rule {
             TimeRule::Field(index, micros) => time(index, micros).unwrap_or(newest),
-            TimeRule::NotBefore(index, micros) => {
-                time(index, micros).map_or(newest, |time| time.max(newest))
-            }
+            TimeRule::NotBefore(index, micros) => time(index, micros).unwrap_or(newest).max(newest),
             TimeRule::Before => newest,
         }
     }
 }
 
-/// Whether GPS records have all that tells the time in microseconds.
+/// Whether GPS records have the columns that tell the time in microseconds.
 fn counts_micros(layout: &Layout) -> bool {
     has_all(layout, ["TimeUS", "GWk", "GMS"])
 }
@@ -112,16 +133,18 @@ pub struct ClockFinder {
     start: Option<f64>,
     /// `GPSTime` of the newest GPS record, before a TIME record says what the log counts.
     gps_time: Option<f64>,
-    /// By the first GPS record that tells the time: what its log counts, and microseconds since 1970 at its zero.
-    found: Option<(Unit, f64)>,
-    /// The zero by the first record of GPS2 that counts microseconds, unless `found` came before it.
-    by_second: Option<f64>,
-    /// There are such records of GPS, beside which those of GPS2 do not count.
+    /// Unix time of the first GPS record with `Week` and `TimeMS`. A second time gives rates.
+    rates_from: Option<f64>,
+    /// The first record that tells the time.
+    found: Option<Told>,
+    /// The first record of GPS2 that counts microseconds, unless `found` came before it.
+    by_second: Option<Told>,
+    /// GPS has such records. Those of GPS2 do not count then.
     has_first: bool,
 }
 
 impl ClockFinder {
-    /// Whether records of a type may say something, as far as is known now. What has been found is not looked for again.
+    /// Whether records of a type may change the clock, as far as is known now.
     pub fn wants(&self, layout: &Layout) -> bool {
         let has = |name: &str| layout.field_index(name).is_some();
         (!self.is_settled() && (is_gps(&layout.name) || layout.name == "TIME"))
@@ -129,13 +152,13 @@ impl ClockFinder {
             || (self.first_ms.is_none() && !is_gps(&layout.name) && has("TimeMS"))
     }
 
-    /// Whether a GPS record told when the log began: no later record changes the clock then.
+    /// Whether a record told when the log began. No later record changes the clock then.
     pub fn is_settled(&self) -> bool {
         self.found.is_some() && (self.by_second.is_none() || self.has_first)
     }
 
-    /// Takes in a record whose fields `value` gives by their index. True if what is wanted changed.
-    pub fn add(&mut self, layout: &Layout, value: impl Fn(usize) -> Option<f64>) -> bool {
+    /// Takes in a record that starts at `at`. `value` gives its fields by their index. True if [`Self::wants`] changed.
+    pub fn add(&mut self, layout: &Layout, at: u64, value: impl Fn(usize) -> Option<f64>) -> bool {
         let finite = |index| value(index).filter(|number| number.is_finite());
         let named = |name: &str| layout.field_index(name).and_then(finite);
         let before = (self.is_settled(), self.first_us.is_some(), self.first_ms.is_some());
@@ -149,12 +172,18 @@ impl ClockFinder {
         if self.found.is_none() {
             if layout.name == "TIME" {
                 self.start = named("StartTime").or(self.start);
-            } else if is_gps(&layout.name) {
-                self.found = self.by_gps(layout, named);
             }
-            if self.found.is_none() {
+            let mut told = is_gps(&layout.name).then(|| self.by_gps(layout, named)).flatten();
+            if told.is_none() {
                 let zero = self.gps_time.zip(self.start).map(|(time, start)| time - start);
-                self.found = zero.map(|zero| (Unit::Start, zero));
+                told = zero.map(|zero| (ClockUnit::Start, zero));
+            }
+            let told = told.or_else(|| self.by_rates(layout, named));
+            let told = told.map(|(unit, zero)| Told { unit, at, zero });
+            if told.is_some_and(|told| told.unit == ClockUnit::Micros) && layout.name != "GPS" {
+                self.by_second = self.by_second.or(told);
+            } else {
+                self.found = told;
             }
         }
         before != (self.is_settled(), self.first_us.is_some(), self.first_ms.is_some())
@@ -164,56 +193,63 @@ impl ClockFinder {
         &mut self,
         layout: &Layout,
         named: impl Fn(&str) -> Option<f64>,
-    ) -> Option<(Unit, f64)> {
+    ) -> Option<(ClockUnit, f64)> {
         let zero = |week: &str, msec: &str, since: f64| {
-            let week = WEEK * named(week)?;
-            let micros = (GPS_EPOCH + week) * 1e6 + named(msec)? * 1e3;
-            week.is_finite().then_some(micros - since)
+            let time = gps_time(named(week)?, named(msec)?) * 1e6;
+            time.is_finite().then_some(time - since)
         };
         if counts_micros(layout) {
             named("GWk").filter(|&week| week > 0.0)?;
-            let zero = zero("GWk", "GMS", named("TimeUS")?)?;
-            if layout.name == "GPS" {
-                return Some((Unit::Micros, zero));
-            }
-            self.by_second = self.by_second.or(Some(zero));
-            return None;
+            return Some((ClockUnit::Micros, zero("GWk", "GMS", named("TimeUS")?)?));
         }
         if has_all(layout, ["T", "Week", "TimeMS"]) {
             named("Week").filter(|&week| week != 0.0)?;
             let since = named("T").filter(|&since| since != 0.0)?;
             let zero = zero("Week", "TimeMS", since * 1e3)?;
             self.first_ms = self.first_ms.or(Some(since));
-            return Some((Unit::Millis, zero));
+            return Some((ClockUnit::Millis, zero));
         }
         self.gps_time = named("GPSTime").filter(|&time| time != 0.0).or(self.gps_time);
         None
     }
 
-    /// The clock; `None` where no record carries a time.
+    /// Two GPS times of records that have no time of the log.
+    fn by_rates(
+        &mut self,
+        layout: &Layout,
+        named: impl Fn(&str) -> Option<f64>,
+    ) -> Option<(ClockUnit, f64)> {
+        let week = named("Week").filter(|&week| week != 0.0 && is_gps(&layout.name))?;
+        let time = Some(gps_time(week, named("TimeMS")?)).filter(|time| time.is_finite())?;
+        let first = *self.rates_from.get_or_insert(time);
+        first.total_cmp(&time).is_ne().then_some((ClockUnit::Rates, 0.0))
+    }
+
+    /// The record that tells when the log began.
+    pub fn told(&self) -> Option<Told> {
+        self.by_second.filter(|_| !self.has_first).or(self.found)
+    }
+
+    /// The clock. `None` if no record carries a time of the log.
     pub fn finish(self) -> Option<Clock> {
-        let second = self.by_second.filter(|_| !self.has_first).map(|zero| (Unit::Micros, zero));
-        let (unit, base) = match second.or(self.found) {
-            Some(found) => found,
-            None if self.first_us.is_some() => return Some(Clock::from_start(Unit::Micros)),
-            None if self.first_ms.is_some() || self.has_gps_ms => {
-                return Some(Clock::from_start(Unit::Millis));
-            }
-            None => return None,
+        let Some(told) = self.told().filter(|told| told.unit != ClockUnit::Rates) else {
+            let millis = || self.first_ms.is_some() || self.has_gps_ms;
+            let unit = self.first_us.map(|_| ClockUnit::Micros);
+            return unit.or_else(|| millis().then_some(ClockUnit::Millis)).map(Clock::from_start);
         };
-        let first = match unit {
-            Unit::Micros => self.first_us.unwrap_or(0.0),
-            Unit::Millis => self.first_ms.unwrap_or(0.0) * 1e3,
-            Unit::Start => self.start.unwrap_or(0.0),
+        let first = match told.unit {
+            ClockUnit::Micros => self.first_us.unwrap_or(0.0),
+            ClockUnit::Millis => self.first_ms.unwrap_or(0.0) * 1e3,
+            _ => self.start.unwrap_or(0.0),
         };
-        let base = base.round() as i64;
-        Some(Clock { unit, base, first: base.saturating_add(first.round() as i64) })
+        let base = told.zero.round() as i64;
+        Some(Clock { unit: told.unit, base, first: base.saturating_add(first.round() as i64) })
     }
 }
 
 impl Clock {
-    /// The clock of a log whose start nobody knows.
-    fn from_start(unit: Unit) -> Self {
+    /// The clock of a log whose start is unknown.
+    fn from_start(unit: ClockUnit) -> Self {
         Self { unit, base: 0, first: 0 }
     }
 }
@@ -233,11 +269,11 @@ mod tests {
         let (gps, imu) = (layout("GPS", "TimeUS,GMS,GWk"), layout("IMU", "TimeUS,X"));
         let mut finder = ClockFinder::default();
         assert!(finder.wants(&imu));
-        finder.add(&imu, |index| [Some(4000.0), None][index]);
+        finder.add(&imu, 0, |index| [Some(4000.0), None][index]);
         assert!(!finder.wants(&imu));
-        finder.add(&gps, |index| [Some(5e6), Some(1000.0), Some(0.0)][index]);
+        finder.add(&gps, 0, |index| [Some(5e6), Some(1000.0), Some(0.0)][index]);
         assert!(finder.wants(&gps), "week 0 is no time");
-        finder.add(&gps, |index| [Some(5e6), Some(100_000.0), Some(2200.0)][index]);
+        finder.add(&gps, 0, |index| [Some(5e6), Some(100_000.0), Some(2200.0)][index]);
         let clock = finder.finish().expect("a clock");
         assert_eq!(clock.base, (315_964_782 + 2200 * 604_800 + 100 - 5) * 1_000_000);
         assert_eq!(clock.first, clock.base + 4000);
@@ -256,7 +292,7 @@ mod tests {
 
     /// Adds a record of the numbers in its fields.
     fn add(finder: &mut ClockFinder, layout: &Layout, values: &[f64]) {
-        finder.add(layout, |index| values.get(index).copied());
+        finder.add(layout, 0, |index| values.get(index).copied());
     }
 
     #[test]
@@ -268,7 +304,7 @@ mod tests {
         let by_second = finder.clone().finish().expect("a clock");
         assert_eq!(by_second.base, (315_964_782 + 2201 * 604_800 + 1 - 3) * 1_000_000);
         add(&mut finder, &first, &[4e6, 0.0, 0.0]);
-        assert_eq!(finder.clone().finish(), Some(Clock::from_start(Unit::Micros)));
+        assert_eq!(finder.clone().finish(), Some(Clock::from_start(ClockUnit::Micros)));
         add(&mut finder, &first, &[5e6, 1000.0, 2200.0]);
         assert!(finder.is_settled());
         let clock = finder.finish().expect("a clock");
@@ -281,7 +317,7 @@ mod tests {
         let mut finder = ClockFinder::default();
         add(&mut finder, &gps, &[0.0, 1000.0, 300.0]);
         add(&mut finder, &gps, &[2200.0, 1000.0, 0.0]);
-        assert_eq!(finder.clone().finish(), Some(Clock::from_start(Unit::Millis)));
+        assert_eq!(finder.clone().finish(), Some(Clock::from_start(ClockUnit::Millis)));
         add(&mut finder, &att, &[400.5]);
         add(&mut finder, &gps, &[2200.0, 1000.0, 500.0]);
         let clock = finder.finish().expect("a clock");
@@ -292,14 +328,30 @@ mod tests {
     }
 
     #[test]
+    fn two_gps_times_without_a_time_of_the_log_give_rates() {
+        let (gps, att) = (layout("GPS", "TimeMS,Week"), layout("ATT", "TimeUS"));
+        let mut finder = ClockFinder::default();
+        for (at, values) in [[1000.0, 0.0], [1000.0, 1800.0], [1000.0, 1800.0]].iter().enumerate() {
+            finder.add(&gps, at as u64, |index| values.get(index).copied());
+            assert_eq!(finder.told(), None);
+        }
+        finder.add(&gps, 7, |index| [Some(900.0), Some(1800.0)][index]);
+        let told = finder.told().expect("rates");
+        assert_eq!((told.unit, told.at), (ClockUnit::Rates, 7));
+        assert_eq!(finder.clone().finish(), None, "no record has a time of the log");
+        add(&mut finder, &att, &[4000.0]);
+        assert_eq!(finder.finish(), Some(Clock::from_start(ClockUnit::Micros)));
+    }
+
+    #[test]
     fn without_gps_times_count_from_the_start() {
-        for (columns, unit) in [("TimeUS", Unit::Micros), ("TimeMS", Unit::Millis)] {
+        for (columns, unit) in [("TimeUS", ClockUnit::Micros), ("TimeMS", ClockUnit::Millis)] {
             let mut finder = ClockFinder::default();
-            finder.add(&layout("A", columns), |_| Some(7.0));
+            finder.add(&layout("A", columns), 0, |_| Some(7.0));
             assert_eq!(finder.finish(), Some(Clock::from_start(unit)));
         }
         let mut finder = ClockFinder::default();
-        assert!(!finder.add(&layout("A", "B"), |_| Some(7.0)));
+        assert!(!finder.add(&layout("A", "B"), 0, |_| Some(7.0)));
         assert_eq!(finder.finish(), None);
     }
 }

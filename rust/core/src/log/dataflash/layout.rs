@@ -172,14 +172,6 @@ impl Layout {
             _ => self.number(index, body).and_then(|number| whole(number * times as f64)),
         }
     }
-
-    /// Seconds since start, for types that carry a time.
-    #[inline]
-    pub fn seconds(&self, body: &[u8]) -> Option<f64> {
-        let (index, unit) = self.time?;
-        let stored = self.number(index, body)?;
-        Some(stored * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
-    }
 }
 
 /// The nearest integer; the largest or smallest for what is beyond, `None` for NaN and infinity.
