@@ -47,8 +47,6 @@ class DFReader_binary(DFReader):
         """As `init_arrays`: pymavlink has two versions of it."""
         contents = self._init_contents(progress_callback)
         self.formats = {fmt.type: fmt for fmt in self._layouts}
-        self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
-        self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
         self.counts = [0] * TYPES
         for fmt, count in zip(self._layouts, contents["counts"], strict=True):
             self.counts[fmt.type] += count

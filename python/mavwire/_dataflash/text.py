@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 PROBE = 8000
-LONGEST_NAME = 65
-"""Bytes of a type's name, and the comma."""
-_TIMES = {"TimeUS", "TimeMS"}
+KEY_LEN = 4
 
 
 def DFReader_is_text_log(filename: str) -> bool:
@@ -65,8 +63,6 @@ class DFReader_text(DFReader):
         """
         self._init_contents(progress_callback)
         self.formats = {fmt.name: fmt for fmt in self._layouts}
-        self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
-        self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
         counts, self._count = self._lines()
         self.counts = dict(counts)
 
@@ -78,24 +74,23 @@ class DFReader_text(DFReader):
     @property
     def offsets(self) -> dict[str, list[int]]:
         """Offsets of the lines, by the keys of `counts`."""
-        return dict(self._line_offsets())
+        offsets: dict[str, list[int]] = {key: [] for key in self.counts}
+        of_bytes = {
+            key.encode(encoding, "replace"): found
+            for encoding in ("latin-1", "utf-8")
+            for key, found in offsets.items()
+        }
+        start = 0
+        self.data_map.seek(0)
+        while line := self.data_map.readline():
+            found = of_bytes.get(line[:KEY_LEN].partition(b",")[0].rstrip(b"\n"))
+            if found is not None and line.strip():
+                found.append(start)
+            start += len(line)
+        return offsets
 
     @property
     def type_list(self) -> list[str] | None:
         """Types that a filtered read visits, None before the first after a rewind."""
         latched = self._latched()
         return None if latched is None else [self._layouts[index].name for index in latched]
-
-    def last_timestamp(self) -> float:
-        """Move to the last line with a time, or to the last line if no line has one; return its time."""
-        timed = tuple(f"{fmt.name},".encode() for fmt in self._layouts if _TIMES & set(fmt.columns))
-        log = self.data_map
-        end = log.rfind(b"\n") + 1
-        while end > 0:
-            start = log.rfind(b"\n", 0, end - 1) + 1
-            if log[start : min(end, start + LONGEST_NAME)].startswith(timed):
-                self.offset = start
-                m = self.recv_msg()
-                return super().last_timestamp() if m is None else m._timestamp
-            end = start
-        return super().last_timestamp()

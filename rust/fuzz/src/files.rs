@@ -159,7 +159,4 @@ fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     assert_eq!(found, whole);
     let contents = log.contents(&mut |_| true).expect("a file");
     assert_eq!(contents.counts.iter().sum::<u64>(), whole.len() as u64);
-    let offsets = log.offsets(&mut |_| true).expect("a file");
-    let places: usize = offsets.iter().map(|(_, places)| places.len()).sum();
-    assert!(places == lines.len() || offsets.len() == 4096, "{places} of {}", lines.len());
 }

@@ -7,8 +7,7 @@ use std::io;
 use std::path::Path;
 
 use mavwire_core::log::dataflash::{
-    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, Layout, RecordEntry, Units, index,
-    look, pass,
+    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, RecordEntry, Units, index, look, pass,
 };
 
 use crate::log_contents::LogContents;
@@ -139,7 +138,7 @@ impl DataflashFile {
                 tally.add(
                     entry,
                     |units, layout| units.add(layout, body),
-                    |layout, field| field_bytes(layout, field, body),
+                    |layout, field| layout.field_bytes(field, body).unwrap_or_default(),
                 );
             };
             let (done, junk) = index(bytes, at, *stretch, definitions, last, add);
@@ -161,11 +160,4 @@ fn bytes_at(window: &mut FileWindow, len: u64, offset: u64) -> io::Result<(&[u8]
     let bytes = window.at(offset, LOOK_LEN)?;
     let last = bytes.len() >= left || bytes.len() < LOOK_LEN;
     Ok((&bytes[..bytes.len().min(left)], last))
-}
-
-/// The bytes of a field.
-fn field_bytes<'a>(layout: &Layout, field: usize, body: &'a [u8]) -> &'a [u8] {
-    let Some(field) = layout.fields.get(field) else { return &[] };
-    let start = usize::from(field.offset);
-    body.get(start..start + field.kind.size()).unwrap_or_default()
 }

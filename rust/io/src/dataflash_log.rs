@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{self, Delimiter, nth_value};
-use mavwire_core::log::dataflash::{ClockFinder, HEAD_LEN, Layout, TimeUnit};
+use mavwire_core::log::dataflash::{ClockFinder, FieldKind, HEAD_LEN, Layout, TimeUnit};
+use mavwire_core::pyfloat;
 
 use crate::dataflash::{Contents, DataflashFile};
 use crate::text_log::{LineEntry, TextLogFile};
@@ -37,9 +38,9 @@ pub struct Entry {
 
 /// How a search for a record ended.
 #[derive(Debug, Clone, Copy)]
-pub enum Step {
+pub enum Step<T> {
     /// With a record of a wanted layout.
-    Found(Entry),
+    Found(T),
     /// After as many other records as it may pass.
     Paused,
     /// At the end of the log.
@@ -168,7 +169,7 @@ impl DataflashLog {
         at: &mut u64,
         wanted: Option<&[bool]>,
         budget: &mut u32,
-    ) -> io::Result<Step> {
+    ) -> io::Result<Step<Entry>> {
         loop {
             if let (Self::Binary(file), Some(wanted)) = (&mut *self, wanted) {
                 let passed;
@@ -208,6 +209,40 @@ pub fn number(
 ) -> Option<f64> {
     let Some(delimiter) = delimiter else { return layout.number(index, bytes) };
     text::number(layout.fields.get(index)?.kind, nth_value(bytes, delimiter, index)?)
+}
+
+/// The stored bytes of a field.
+pub fn field_bytes<'a>(
+    layout: &Layout,
+    bytes: &'a [u8],
+    delimiter: Option<Delimiter>,
+    index: usize,
+) -> Option<&'a [u8]> {
+    match delimiter {
+        None => layout.field_bytes(index, bytes),
+        Some(delimiter) => text::value_at(bytes, delimiter, &layout.name, index),
+    }
+}
+
+/// The value of a field as Python's `str` shows it. `None` for an array, and for a word in the place of a number.
+pub fn field_text(
+    layout: &Layout,
+    bytes: &[u8],
+    delimiter: Option<Delimiter>,
+    index: usize,
+) -> Option<String> {
+    let mut out = String::new();
+    let kind = layout.fields.get(index)?.kind;
+    let Some(delimiter) = delimiter else {
+        return layout.write_text(&mut out, index, bytes).then_some(out);
+    };
+    let value = text::value_at(bytes, delimiter, &layout.name, index)?;
+    match kind {
+        FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode => out = text::decode_line(value),
+        kind if kind.is_float() => pyfloat::write_repr(&mut out, text::number(kind, value)?),
+        kind => out = (text::number(kind, value)? as i64).to_string(),
+    }
+    Some(out)
 }
 
 /// Seconds since start, for records that carry a time.

@@ -17,7 +17,7 @@ pub struct Contents {
     pub first: Vec<Option<u64>>,
     /// Where the first record of each instance starts, in the order of the log.
     pub instances: Vec<u64>,
-    /// Where the last record starts.
+    /// Where the last record starts: in a text log the last one with a time, if there is one.
     pub last: Option<u64>,
     /// Bytes that belong to no record.
     pub junk: u64,

@@ -146,33 +146,6 @@ impl TextLogFile {
         keys.into_iter().map(|(key, (_, count))| (key.as_str(), *count)).collect()
     }
 
-    /// Where those lines start: goes through the whole log.
-    ///
-    /// # Errors
-    /// What the operating system says; `Interrupted` where `progress` ended it.
-    pub fn offsets(
-        &mut self,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> io::Result<Vec<(String, Vec<u64>)>> {
-        let mut found: Vec<(String, Vec<u64>)> =
-            self.counts().into_iter().map(|(key, _)| (key.to_owned(), Vec::new())).collect();
-        let places: HashMap<String, usize> =
-            found.iter().enumerate().map(|(place, (key, _))| (key.clone(), place)).collect();
-        let (mut at, mut told) = (0, 0);
-        while let Some(line) = self.line_at(at)? {
-            at = line.next;
-            let bytes = &self.window.buffered(line.offset)[..line.len];
-            if !line.too_long
-                && !trimmed(bytes).is_empty()
-                && let Some(&place) = places.get(&key_of(bytes))
-            {
-                found[place].1.push(line.offset);
-            }
-            tell(progress, at, &mut told)?;
-        }
-        Ok(found)
-    }
-
     /// Lines that are not empty.
     pub fn lines(&self) -> u64 {
         self.lines
@@ -262,8 +235,11 @@ impl TextLogFile {
         progress: &mut dyn FnMut(u64) -> bool,
     ) -> io::Result<(Contents, bool)> {
         let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
+        let is_time = |column: &String| matches!(column.as_str(), "TimeUS" | "TimeMS");
+        let is_timed = |layout: &Arc<Layout>| layout.columns.iter().any(is_time);
+        let timed: Vec<bool> = layouts.iter().map(is_timed).collect();
         let mut tally = LogContents::new(&layouts, units);
-        let (mut at, mut told) = (0, 0);
+        let (mut at, mut told, mut last_timed) = (0, 0, None);
         while let Some(found) = self.entry_at(at)? {
             at = found.next;
             let line = self.bytes_at(found.offset, found.len);
@@ -276,8 +252,12 @@ impl TextLogFile {
                 |units, layout| units.add_values(&layout.name, |name| named(layout, name)),
                 |_, field| value(field),
             );
+            if timed[usize::from(entry.layout)] {
+                last_timed = Some(entry.offset);
+            }
             tell(progress, at, &mut told)?;
         }
+        tally.contents.last = last_timed.or(tally.contents.last);
         Ok(tally.finish())
     }
 }

@@ -18,7 +18,9 @@ mod units;
 pub use clock::{Clock, ClockFinder, ClockUnit, TimeRule, Told, gps_time};
 pub use definitions::{Definitions, MAX_DEFINITIONS};
 pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
-pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole};
+pub use layout::{
+    FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole, write_float,
+};
 pub use records::{Found, LOOK_LEN, RecordEntry, index, look, pass};
 pub use units::Units;
 

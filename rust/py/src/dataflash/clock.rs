@@ -12,12 +12,11 @@ pub(crate) fn gps_time(week: f64, msec: f64) -> f64 {
     dataflash::gps_time(week, msec)
 }
 
-/// Seconds, or one of two NaNs that no arithmetic makes: nothing yet, and the int 0, which programs see as the time of
-/// what was logged before any time was known.
+/// Seconds. A NaN that no arithmetic makes is no time yet. -0.0 is the int 0, the time of messages before the first time.
 pub(crate) struct Seconds(AtomicU64);
 
 const NOTHING: u64 = 0xFFF8_DEAD_0000_0000;
-const INT_ZERO: u64 = 0xFFF8_DEAD_0000_0001;
+const INT_ZERO: u64 = (-0.0_f64).to_bits();
 
 impl Seconds {
     pub(crate) const fn nothing() -> Self {
@@ -39,13 +38,9 @@ impl Seconds {
         self.0.store(other.0.load(Relaxed), Relaxed);
     }
 
-    /// Seconds, to reckon with.
     #[inline]
     fn number(&self) -> f64 {
-        match self.0.load(Relaxed) {
-            INT_ZERO | NOTHING => 0.0,
-            bits => f64::from_bits(bits),
-        }
+        f64::from_bits(self.0.load(Relaxed))
     }
 
     /// What programs see; `None` for nothing.

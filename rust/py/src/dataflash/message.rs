@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::text::{Delimiter, decode_line, text_values};
+use mavwire_core::log::dataflash::text::{Delimiter, decode_line, text_values, value_at};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString};
@@ -12,17 +12,6 @@ use super::shape::Names;
 use super::value;
 use crate::sync::lock::Lock;
 use mavwire_core::frame::FrameBytes;
-
-/// Where a message's values are.
-#[derive(Clone, Copy)]
-pub(crate) enum Origin {
-    /// In the body of a binary record.
-    Body,
-    /// In a line of a text log.
-    Line(Delimiter),
-    /// Nowhere but in the list of elements.
-    Made,
-}
 
 /// What was put into a message, or asked for.
 #[derive(Default)]
@@ -37,13 +26,19 @@ pub(super) struct Written {
 #[pyclass(frozen, weakref, module = "mavwire.DFReader")]
 pub(crate) struct DFMessage {
     pub(crate) names: Arc<Names>,
+    /// The body of a binary record, or the line of a text log.
     pub(super) bytes: FrameBytes,
-    pub(super) origin: Origin,
+    /// Of a text log.
+    pub(super) delimiter: Option<Delimiter>,
     pub(super) timestamp: Seconds,
-    pub(super) written: Lock<Option<Box<Written>>>,
+    pub(super) written: Lock<Written>,
+    /// The type's `DFFormat`.
+    #[pyo3(get)]
     pub(super) fmt: Py<PyAny>,
+    #[pyo3(get, name = "_parent")]
     pub(super) parent: Option<Py<PyAny>>,
     /// Stored integers are scaled when they are read.
+    #[pyo3(get, name = "_apply_multiplier")]
     pub(super) apply_multiplier: bool,
 }
 
@@ -57,28 +52,26 @@ impl DFMessage {
         fmt: Py<PyAny>,
         parent: Py<PyAny>,
     ) -> Self {
-        let apply_multiplier = delimiter.is_none();
         Self {
             names,
             bytes,
-            origin: delimiter.map_or(Origin::Body, Origin::Line),
+            delimiter,
             timestamp: Seconds::nothing(),
-            written: Lock::new(None),
+            written: Lock::new(Written::default()),
             fmt,
             parent: Some(parent),
-            apply_multiplier,
+            apply_multiplier: delimiter.is_none(),
         }
     }
 
     /// Body of the record, if the values are still those in there.
     pub(super) fn body(&self, py: Python<'_>) -> Option<&[u8]> {
         let as_read = self.elements_set(py).is_none();
-        (as_read && matches!(self.origin, Origin::Body)).then_some(&*self.bytes)
+        (as_read && self.delimiter.is_none()).then_some(&*self.bytes)
     }
 
     pub(super) fn elements_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyList>> {
-        let written = self.written.lock(py);
-        Some(written.as_ref()?.elements.as_ref()?.bind(py).clone())
+        Some(self.written.lock(py).elements.as_ref()?.bind(py).clone())
     }
 
     /// The value of a column.
@@ -92,21 +85,12 @@ impl DFMessage {
             let element = elements.get_item(index)?;
             return value::from_object(&element, field.kind, self.apply_multiplier, raw_bytes);
         }
-        match self.origin {
-            Origin::Body => {
-                let offset = usize::from(field.offset);
-                value::from_body(py, field.kind, &self.bytes, offset, raw_bytes)
-            }
-            Origin::Line(delimiter) => value::from_line(
-                py,
-                field.kind,
-                &self.bytes,
-                delimiter,
-                &self.names.layout.name,
-                index,
-            ),
-            Origin::Made => Err(PyIndexError::new_err("list index out of range")),
-        }
+        let Some(delimiter) = self.delimiter else {
+            return value::from_body(py, field, &self.bytes, raw_bytes);
+        };
+        let name = &self.names.layout.name;
+        let bytes = value_at(&self.bytes, delimiter, name, index).unwrap_or_default();
+        value::from_text(py, field.kind, bytes)
     }
 
     /// `_elements`: the stored values, which are the message's from now on.
@@ -115,32 +99,23 @@ impl DFMessage {
             return Ok(elements);
         }
         let list = PyList::empty(py);
-        match self.origin {
-            Origin::Body => {
-                let layout = &self.names.layout;
-                for index in 0..layout.fields.len() {
-                    if let Some(stored) = layout.value(index, &self.bytes) {
-                        list.append(value::stored(py, stored)?)?;
-                    }
-                }
+        let layout = &self.names.layout;
+        if let Some(delimiter) = self.delimiter {
+            for value in text_values(&decode_line(&self.bytes), delimiter, &layout.name) {
+                list.append(value)?;
             }
-            Origin::Line(delimiter) => {
-                let line = decode_line(&self.bytes);
-                for value in text_values(&line, delimiter, &self.names.layout.name) {
-                    list.append(value)?;
-                }
+        } else {
+            for field in &layout.fields {
+                list.append(value::stored(py, field.value(&self.bytes))?)?;
             }
-            Origin::Made => {}
         }
-        let mut written = self.written.lock(py);
-        written.get_or_insert_default().elements = Some(list.clone().unbind());
+        self.written.lock(py).elements = Some(list.clone().unbind());
         Ok(list)
     }
 
     /// Attributes that are no columns, if there are any.
     pub(super) fn attributes_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
-        let written = self.written.lock(py);
-        Some(written.as_ref()?.attributes.as_ref()?.bind(py).clone())
+        Some(self.written.lock(py).attributes.as_ref()?.bind(py).clone())
     }
 
     pub(super) fn attributes<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
@@ -148,8 +123,7 @@ impl DFMessage {
             return attributes;
         }
         let attributes = PyDict::new(py);
-        let mut written = self.written.lock(py);
-        written.get_or_insert_default().attributes = Some(attributes.clone().unbind());
+        self.written.lock(py).attributes = Some(attributes.clone().unbind());
         attributes
     }
 

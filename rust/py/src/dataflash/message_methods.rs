@@ -8,7 +8,7 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::Seconds;
-use super::message::{DFMessage, Origin, Written};
+use super::message::{DFMessage, Written};
 use super::{render, shape};
 use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_getattr;
@@ -39,9 +39,9 @@ impl DFMessage {
         Ok(Self {
             names: shape::of_format(fmt)?,
             bytes: FrameBytes::empty(),
-            origin: Origin::Made,
+            delimiter: None,
             timestamp: Seconds::nothing(),
-            written: Lock::new(Some(Box::new(written))),
+            written: Lock::new(written),
             fmt: fmt.clone().unbind(),
             parent,
             apply_multiplier,
@@ -105,22 +105,6 @@ impl DFMessage {
     #[getter]
     fn __dict__<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
         self.attributes(py)
-    }
-
-    /// The type's `DFFormat`.
-    #[getter]
-    fn fmt(&self, py: Python<'_>) -> Py<PyAny> {
-        self.fmt.clone_ref(py)
-    }
-
-    #[getter]
-    fn _parent(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.parent.as_ref().map(|parent| parent.clone_ref(py))
-    }
-
-    #[getter]
-    fn _apply_multiplier(&self) -> bool {
-        self.apply_multiplier
     }
 
     #[getter]
@@ -212,9 +196,9 @@ impl DFMessage {
             Self {
                 names: Arc::clone(&this.names),
                 bytes: this.bytes.clone(),
-                origin: this.origin,
+                delimiter: this.delimiter,
                 timestamp: this.timestamp.clone(),
-                written: Lock::new(Some(Box::new(written))),
+                written: Lock::new(written),
                 fmt: this.fmt.clone_ref(py),
                 parent: this.parent.as_ref().map(|parent| parent.clone_ref(py)),
                 apply_multiplier: this.apply_multiplier,
@@ -226,9 +210,7 @@ impl DFMessage {
         visit.call(&self.fmt)?;
         visit.call(&self.parent)?;
         // SAFETY: the garbage collector runs attached.
-        if let Some(written) = unsafe { self.written.try_lock() }
-            && let Some(written) = written.as_ref()
-        {
+        if let Some(written) = unsafe { self.written.try_lock() } {
             visit.call(&written.elements)?;
             visit.call(&written.attributes)?;
         }

@@ -9,15 +9,15 @@ use mavwire_core::log::dataflash::ClockUnit;
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_io::dataflash::Contents;
 use mavwire_io::dataflash_log::{BUDGET, DataflashLog, Step};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};
 use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::MicrosClock;
 use super::message::DFMessage;
-use super::shape::{self, Names};
-use super::state::{Kind, Search, State, Taken, closed};
+use super::shape;
+use super::state::{Kind, State, Taken, closed};
 use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_setattr;
 use crate::python::lists::list;
@@ -42,61 +42,39 @@ pub(crate) struct DataflashReader {
 const QUICK_METHODS: [&str; 5] =
     ["recv_msg", "_parse_next", "_add_msg", "_set_time", "skip_to_type"];
 
-/// `recv_match`'s argument `type`.
-enum Types<'py> {
-    Any,
-    One(Bound<'py, PyString>),
-    Of(Vec<Bound<'py, PyString>>),
-}
+/// `recv_match`'s argument `type`: names, or `None` for any type.
+struct Types<'py>(Option<Vec<Bound<'py, PyString>>>);
 
 impl<'py> Types<'py> {
     fn new(types: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
-        let Some(types) = types else { return Ok(Self::Any) };
+        let Some(types) = types else { return Ok(Self(None)) };
         if let Ok(name) = types.cast::<PyString>() {
-            return Ok(Self::One(name.clone()));
+            return Ok(Self(Some(vec![name.clone()])));
         }
         let Ok(items) = types.try_iter() else {
             return Err(PyTypeError::new_err("type must be a name or a collection of names"));
         };
         let names = items.filter_map(|name| name.map(|name| name.cast_into().ok()).transpose());
-        Ok(Self::Of(names.collect::<PyResult<_>>()?))
+        Ok(Self(Some(names.collect::<PyResult<_>>()?)))
     }
 
-    fn has(&self, name: &Bound<'_, PyString>) -> PyResult<bool> {
-        let names = match self {
-            Self::Any => return Ok(true),
-            Self::One(name) => std::slice::from_ref(name),
-            Self::Of(names) => names,
-        };
-        if names.iter().any(|one| one.is(name)) {
-            return Ok(true);
-        }
-        for one in names {
-            if one.as_any().eq(name)? {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+    fn has(&self, name: &str) -> bool {
+        let is_it = |one: &Bound<'_, PyString>| one.to_str().is_ok_and(|one| one == name);
+        self.0.as_ref().is_none_or(|names| names.iter().any(is_it))
     }
 }
 
 impl DataflashReader {
     /// The next message, posted; `None` at the end.
-    fn next<'py>(
-        slf: &Bound<'py, Self>,
-        latched: bool,
-    ) -> PyResult<Option<(Bound<'py, DFMessage>, usize)>> {
+    fn next<'py>(slf: &Bound<'py, Self>, latched: bool) -> PyResult<Option<Bound<'py, DFMessage>>> {
         let py = slf.py();
         let mut gil_yield = GilYield::new();
         loop {
             let found = slf.get().state.lock(py).next(slf.as_any(), latched, true, BUDGET)?;
             match found {
-                Search::Found(taken) => {
-                    let kind = taken.kind;
-                    return Ok(Some((Self::post(slf, taken)?, kind)));
-                }
-                Search::Paused => gil_yield.give_way(py)?,
-                Search::End => return Ok(None),
+                Step::Found(taken) => return Self::post(slf, taken).map(Some),
+                Step::Paused => gil_yield.give_way(py)?,
+                Step::End => return Ok(None),
             }
         }
     }
@@ -104,13 +82,13 @@ impl DataflashReader {
     /// Stamps a message and takes it into `messages` and the state.
     fn post<'py>(slf: &Bound<'py, Self>, taken: Taken) -> PyResult<Bound<'py, DFMessage>> {
         let py = slf.py();
-        let Taken { message, kind, key, stamped } = taken;
+        let Taken { message, key, stamped, tracked, .. } = taken;
         let message = Bound::new(py, message)?;
         if !stamped {
             slf.invoke_method1(intern!(py, "_set_time"), (&message,))?;
         }
-        Self::keep(slf, &message, kind, key)?;
-        if slf.get().state.lock(py).kinds[kind].tracked {
+        Self::keep(slf, &message, key)?;
+        if tracked {
             slf.invoke_method1(intern!(py, "_track"), (&message,))?;
         }
         Ok(message)
@@ -120,63 +98,26 @@ impl DataflashReader {
     fn keep(
         slf: &Bound<'_, Self>,
         message: &Bound<'_, DFMessage>,
-        kind: usize,
-        key: Option<Result<Py<PyString>, Box<[u8]>>>,
+        key: Option<Py<PyString>>,
     ) -> PyResult<()> {
-        let py = slf.py();
-        let messages = slf.get().state.lock(py).messages.bind(py).clone();
+        let messages = slf.get().state.lock(slf.py()).messages.bind(slf.py()).clone();
         messages.set_item(&message.get().names.name, message)?;
-        match key {
-            None => {}
-            Some(Ok(key)) => messages.set_item(key, message)?,
-            Some(Err(bytes)) => {
-                if let Some(key) = Self::instance_key(slf, message, kind)? {
-                    if messages.len() < MAX_MESSAGES || messages.contains(&key)? {
-                        messages.set_item(&key, message)?;
-                    }
-                    slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
-                }
-            }
+        if let Some(key) = key
+            && (messages.len() < MAX_MESSAGES || messages.contains(&key)?)
+        {
+            messages.set_item(key, message)?;
         }
         Ok(())
-    }
-
-    /// The key of a message's instance in `messages`; `None` where a text log has no number for it.
-    fn instance_key<'py>(
-        slf: &Bound<'py, Self>,
-        message: &Bound<'py, DFMessage>,
-        kind: usize,
-    ) -> PyResult<Option<Bound<'py, PyString>>> {
-        let py = slf.py();
-        let instance = slf.get().state.lock(py).kinds[kind].instance.unwrap_or_default();
-        let value = match message.get().value(py, instance) {
-            Err(error) if error.is_instance_of::<PyValueError>(py) => return Ok(None),
-            value => value?,
-        };
-        let name = &message.get().names.layout.name;
-        let key = format!("{name}[{}]", value.str()?.to_string_lossy());
-        Ok(Some(PyString::new(py, &key)))
     }
 
     /// Fixes which layouts filtered reads visit, unless that is fixed already.
-    fn latch(&self, py: Python<'_>, types: &Types<'_>, strict: bool) -> PyResult<()> {
-        let state = self.state.lock(py);
-        if state.latched.is_some() {
-            return Ok(());
-        }
-        let kinds: Vec<_> = state.kinds.iter().map(|kind| Arc::clone(&kind.names)).collect();
-        drop(state);
-        // Comparing names may run Python code, which may use this reader.
-        let wants = |names: &Arc<Names>| -> PyResult<bool> {
-            let by_state = !strict && STATE_TYPES.contains(&names.layout.name.as_str());
-            Ok(by_state || types.has(names.name.bind(py))?)
+    fn latch(&self, py: Python<'_>, types: &Types<'_>, strict: bool) {
+        let wants = |kind: &Kind| {
+            let name = kind.names.layout.name.as_str();
+            (!strict && STATE_TYPES.contains(&name)) || types.has(name)
         };
-        let wanted = kinds.iter().map(wants).collect::<PyResult<Vec<_>>>()?;
-        let mut state = self.state.lock(py);
-        if state.latched.is_none() && state.kinds.len() == wanted.len() {
-            state.latched = Some(wanted);
-        }
-        Ok(())
+        let state = &mut *self.state.lock(py);
+        state.latched.get_or_insert_with(|| state.kinds.iter().map(wants).collect());
     }
 
     /// Goes through the log without the global lock. `walk` gets a function to call with its offset. The function calls
@@ -334,14 +275,6 @@ impl DataflashReader {
         (counts.collect(), file.lines())
     }
 
-    /// Where the lines of a text log start, by their first characters.
-    fn _line_offsets(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u64>)>> {
-        self.walk(py, None, |source, tell| match source {
-            DataflashLog::Text(file) => file.offsets(tell),
-            DataflashLog::Binary(_) => Ok(Vec::new()),
-        })
-    }
-
     /// Offsets of all records, by layout.
     fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
         self.walk(py, None, |source, tell| source.offsets(tell))
@@ -400,8 +333,7 @@ impl DataflashReader {
     /// The next message, None at the end.
     fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         if slf.get().methods.are_intact() {
-            let message = Self::next(slf, false)?.map(|(message, _)| message);
-            return Ok(message.into_pyobject(slf.py())?);
+            return Ok(Self::next(slf, false)?.into_pyobject(slf.py())?);
         }
         slf.invoke_method0(intern!(slf.py(), "_parse_next"))
     }
@@ -410,7 +342,7 @@ impl DataflashReader {
     fn _parse_next<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, DFMessage>>> {
         let py = slf.py();
         let found = slf.get().state.lock(py).next(slf.as_any(), false, false, BUDGET)?;
-        let Search::Found(taken) = found else { return Ok(None) };
+        let Step::Found(taken) = found else { return Ok(None) };
         let message = Bound::new(py, taken.message)?;
         slf.invoke_method1(intern!(py, "_add_msg"), (&message,))?;
         Ok(Some(message))
@@ -418,18 +350,13 @@ impl DataflashReader {
 
     /// Makes a message the newest of its type, and of its instance if it has one.
     fn _keep(slf: &Bound<'_, Self>, message: &Bound<'_, DFMessage>) -> PyResult<()> {
-        let py = slf.py();
-        let names = &message.get().names;
-        let kind = {
-            let state = slf.get().state.lock(py);
-            let is_its_own = |kind: &Kind| Arc::ptr_eq(&kind.names, names);
-            let index = state.kinds.iter().position(is_its_own);
-            index.map(|index| (index, state.kinds[index].instance))
+        let (py, this) = (slf.py(), message.get());
+        let key = {
+            let mut state = slf.get().state.lock(py);
+            let kind = state.kinds.iter_mut().find(|kind| Arc::ptr_eq(&kind.names, &this.names));
+            kind.and_then(|kind| kind.key(py, &this.bytes, this.delimiter))
         };
-        match kind {
-            Some((index, Some(_))) => Self::keep(slf, message, index, Some(Err(Box::default()))),
-            _ => Self::keep(slf, message, 0, None),
-        }
+        Self::keep(slf, message, key)
     }
 
     /// The next message of the given types (a name or a collection of names) for which `condition` holds; None at the
@@ -453,12 +380,12 @@ impl DataflashReader {
             return slf.invoke_method1(slowly, (condition, r#type, strict));
         }
         let types = Types::new(r#type.as_ref())?;
-        let filtered = !matches!(types, Types::Any);
+        let filtered = types.0.is_some();
         if filtered {
-            slf.get().latch(py, &types, strict)?;
+            slf.get().latch(py, &types, strict);
         }
-        while let Some((message, _)) = Self::next(slf, filtered)? {
-            if !types.has(message.get().names.name.bind(py))? {
+        while let Some(message) = Self::next(slf, filtered)? {
+            if !types.has(&message.get().names.layout.name) {
                 continue;
             }
             match &condition {
@@ -477,33 +404,23 @@ impl DataflashReader {
     /// Moves to the next record of a filtered read, or to the end. Filtered reads go on behind it.
     #[pyo3(signature = (r#type, strict=false))]
     fn skip_to_type(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         r#type: Bound<'_, PyAny>,
         #[pyo3(from_py_with = truth)] strict: bool,
     ) -> PyResult<()> {
-        self.latch(py, &Types::new(Some(&r#type))?, strict)?;
+        let (py, this) = (slf.py(), slf.get());
+        this.latch(py, &Types::new(Some(&r#type))?, strict);
         let mut gil_yield = GilYield::new();
         loop {
-            let mut guard = self.state.lock(py);
-            let state = &mut *guard;
-            let (Some(log), Some(wanted)) = (state.log.as_mut(), &state.latched) else {
-                return Ok(());
-            };
-            let mut budget = BUDGET;
-            match log.step(&mut state.filtered_offset, Some(wanted), &mut budget)? {
-                Step::Found(entry) => {
-                    state.offset = entry.offset;
+            let found = this.state.lock(py).next(slf.as_any(), true, false, BUDGET)?;
+            match found {
+                Step::Found(taken) => {
+                    this.state.lock(py).offset = taken.offset;
                     return Ok(());
                 }
-                Step::Paused => {}
-                Step::End => {
-                    state.offset = state.len;
-                    return Ok(());
-                }
+                Step::Paused => gil_yield.give_way(py)?,
+                Step::End => return Ok(()),
             }
-            drop(guard);
-            gil_yield.give_way(py)?;
         }
     }
 

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use mavwire_core::log::dataflash::text::Delimiter;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -10,7 +11,7 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
 use mavwire_core::frame::FrameBytes;
-use mavwire_io::dataflash_log::{self, DataflashLog, Step};
+use mavwire_io::dataflash_log::{DataflashLog, Step, field_bytes, field_text, seconds};
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;
@@ -21,9 +22,9 @@ pub(super) struct Kind {
     /// The `DFFormat`.
     pub(super) format: Py<PyAny>,
     /// Index of the field that tells instances apart.
-    pub(super) instance: Option<usize>,
+    instance: Option<usize>,
     /// The reader's state changes with messages of this type.
-    pub(super) tracked: bool,
+    tracked: bool,
     /// Value of the instance field as stored -> key in `messages`.
     keys: HashMap<Box<[u8]>, Py<PyString>>,
 }
@@ -38,11 +39,24 @@ impl Kind {
         Self { names, format, instance, tracked, keys: HashMap::new() }
     }
 
-    /// Stored bytes of the instance field of a binary record.
-    fn instance_bytes<'a>(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {
-        let field = self.names.layout.fields.get(self.instance?)?;
-        let start = usize::from(field.offset);
-        bytes.get(start..start + field.kind.size())
+    /// The key of a record's instance in `messages`. The record is a line if there is a delimiter.
+    pub(super) fn key(
+        &mut self,
+        py: Python<'_>,
+        bytes: &[u8],
+        delimiter: Option<Delimiter>,
+    ) -> Option<Py<PyString>> {
+        let (index, layout) = (self.instance?, &*self.names.layout);
+        let stored = field_bytes(layout, bytes, delimiter, index)?;
+        if let Some(key) = self.keys.get(stored) {
+            return Some(key.clone_ref(py));
+        }
+        let value = field_text(layout, bytes, delimiter, index)?;
+        let key = PyString::new(py, &format!("{}[{value}]", layout.name)).unbind();
+        if self.keys.len() < MAX_KEYS {
+            self.keys.insert(stored.into(), key.clone_ref(py));
+        }
+        Some(key)
     }
 }
 
@@ -65,20 +79,14 @@ pub(super) struct State {
 /// A message that was read, and what is left to do with it.
 pub(super) struct Taken {
     pub(super) message: DFMessage,
-    /// Index of its kind.
-    pub(super) kind: usize,
-    /// Key of its instance in `messages`; `Err` if that has to be made of the field's value.
-    pub(super) key: Option<Result<Py<PyString>, Box<[u8]>>>,
+    /// Where its record starts.
+    pub(super) offset: u64,
+    /// Key of its instance in `messages`.
+    pub(super) key: Option<Py<PyString>>,
     /// Its time is set.
     pub(super) stamped: bool,
-}
-
-/// How a search ended.
-pub(super) enum Search {
-    Found(Taken),
-    /// Enough was looked at for once.
-    Paused,
-    End,
+    /// The reader's state changes with it.
+    pub(super) tracked: bool,
 }
 
 impl State {
@@ -103,7 +111,7 @@ impl State {
         latched: bool,
         stamps: bool,
         mut budget: u32,
-    ) -> PyResult<Search> {
+    ) -> PyResult<Step<Taken>> {
         let py = owner.py();
         let log = self.log.as_mut().ok_or_else(closed)?;
         let wanted = self.latched.as_ref().filter(|_| latched);
@@ -111,15 +119,15 @@ impl State {
         let at = if wanted.is_some() { &mut self.filtered_offset } else { &mut self.offset };
         let entry = match log.step(at, wanted.map(Vec::as_slice), &mut budget)? {
             Step::Found(entry) => entry,
-            Step::Paused => return Ok(Search::Paused),
+            Step::Paused => return Ok(Step::Paused),
             Step::End => {
                 self.offset = self.len;
-                return Ok(Search::End);
+                return Ok(Step::End);
             }
         };
         self.offset = entry.next;
         let bytes = log.bytes(entry);
-        let kind = &self.kinds[entry.layout];
+        let kind = &mut self.kinds[entry.layout];
         let layout = &kind.names.layout;
         let message = DFMessage::read(
             Arc::clone(&kind.names),
@@ -130,27 +138,18 @@ impl State {
         );
         let clock = self.clock.as_ref().filter(|_| stamps);
         if let Some(clock) = clock {
-            let seconds = dataflash_log::seconds(layout, bytes, delimiter);
+            let seconds = seconds(layout, bytes, delimiter);
             let unit = layout.time.map(|(_, unit)| unit);
             clock.get().stamp(&message.timestamp, seconds, unit);
         }
-        let key = kind.instance.map(|_| {
-            let bytes = kind.instance_bytes(bytes).filter(|_| delimiter.is_none());
-            let known = bytes.and_then(|bytes| kind.keys.get(bytes));
-            known.map(|key| key.clone_ref(py)).ok_or_else(|| bytes.unwrap_or_default().into())
-        });
-        let stamped = clock.is_some();
-        Ok(Search::Found(Taken { message, kind: entry.layout, key, stamped }))
-    }
-
-    /// Remembers the key of an instance.
-    pub(super) fn remember_key(&mut self, kind: usize, bytes: Box<[u8]>, key: Py<PyString>) {
-        if let Some(kind) = self.kinds.get_mut(kind)
-            && !bytes.is_empty()
-            && kind.keys.len() < MAX_KEYS
-        {
-            kind.keys.insert(bytes, key);
-        }
+        let (key, stamped) = (kind.key(py, bytes, delimiter), clock.is_some());
+        Ok(Step::Found(Taken {
+            message,
+            offset: entry.offset,
+            key,
+            stamped,
+            tracked: kind.tracked,
+        }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Field values as Python objects: from a record's bytes, from a line of a text log, or from an object somebody set.
 
-use mavwire_core::log::dataflash::text::{Delimiter, decode_line, value_at};
-use mavwire_core::log::dataflash::{FieldKind, Value, value};
+use mavwire_core::log::dataflash::text::decode_line;
+use mavwire_core::log::dataflash::{Field, FieldKind, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 
@@ -30,14 +30,13 @@ pub(super) fn stored<'py>(py: Python<'py>, value: Value<'_>) -> PyResult<Bound<'
 #[inline]
 pub(super) fn from_body<'py>(
     py: Python<'py>,
-    kind: FieldKind,
+    field: &Field,
     body: &[u8],
-    offset: usize,
     raw_bytes: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
-    match value(kind, body, offset) {
-        Value::Integer(number) if kind.scale().is_some() => {
-            Ok(PyFloat::new(py, kind.scaled(number as f64)).into_any())
+    match field.value(body) {
+        Value::Integer(number) if field.kind.scale().is_some() => {
+            Ok(PyFloat::new(py, field.kind.scaled(number as f64)).into_any())
         }
         Value::Text(bytes) if !(raw_bytes && bytes.len() == 64) => {
             let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
@@ -57,16 +56,12 @@ fn array<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     py.import(intern!(py, "array"))?.getattr(intern!(py, "array"))?.invoke1(("h", numbers))
 }
 
-/// The value of a field in a line of a text log, of a record type by its name.
-pub(super) fn from_line<'py>(
+/// The value of a field of a text log.
+pub(super) fn from_text<'py>(
     py: Python<'py>,
     kind: FieldKind,
-    line: &[u8],
-    delimiter: Delimiter,
-    name: &str,
-    index: usize,
+    bytes: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let bytes = value_at(line, delimiter, name, index).unwrap_or_default();
     let is_number = !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode);
     if is_number && let Ok(text) = std::str::from_utf8(bytes) {
         if !kind.is_float()

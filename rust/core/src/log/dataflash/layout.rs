@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
+use memchr::memchr;
 use thiserror::Error;
 
 use super::field::{FieldKind, Value, value};
+use super::text::decode_line;
 use super::{FMT_TYPE, HEAD_LEN};
+use crate::pyfloat;
 
 /// Bytes of a FMT record.
 pub const FMT_LAYOUT_LEN: usize = 89;
@@ -22,6 +25,14 @@ pub struct Field {
     pub kind: FieldKind,
     /// Where it stands in the record's body.
     pub offset: u8,
+}
+
+impl Field {
+    /// The stored value.
+    #[inline]
+    pub fn value<'a>(&self, body: &'a [u8]) -> Value<'a> {
+        value(self.kind, body, usize::from(self.offset))
+    }
 }
 
 /// What the time field of a record counts.
@@ -142,8 +153,7 @@ impl Layout {
     /// The stored value of a field.
     #[inline]
     pub fn value<'a>(&self, index: usize, body: &'a [u8]) -> Option<Value<'a>> {
-        let field = self.fields.get(index)?;
-        Some(value(field.kind, body, usize::from(field.offset)))
+        Some(self.fields.get(index)?.value(body))
     }
 
     /// The stored value of the field called `name`.
@@ -151,11 +161,36 @@ impl Layout {
         self.value(self.field_index(name)?, body)
     }
 
+    /// The stored bytes of a field.
+    #[inline]
+    pub fn field_bytes<'a>(&self, index: usize, body: &'a [u8]) -> Option<&'a [u8]> {
+        let field = self.fields.get(index)?;
+        body.get(usize::from(field.offset)..)?.get(..field.kind.size())
+    }
+
+    /// Writes the value of a field as Python's `str` does. False for arrays, which it does not write.
+    pub fn write_text(&self, out: &mut String, index: usize, body: &[u8]) -> bool {
+        let Some(field) = self.fields.get(index) else { return false };
+        match field.value(body) {
+            Value::Integer(number) if field.kind.scale().is_some() => {
+                pyfloat::write_repr(out, field.kind.scaled(number as f64));
+            }
+            Value::Integer(number) => drop(write!(out, "{number}")),
+            Value::Unsigned(number) => drop(write!(out, "{number}")),
+            Value::Float(number) => write_float(out, number),
+            Value::Text(bytes) => {
+                out.push_str(&decode_line(&bytes[..memchr(0, bytes).unwrap_or(bytes.len())]));
+            }
+            Value::Array(_) => return false,
+        }
+        true
+    }
+
     /// The value of a field as a float, scaled; `None` for texts and arrays.
     #[inline]
     pub fn number(&self, index: usize, body: &[u8]) -> Option<f64> {
         let field = self.fields.get(index)?;
-        let stored = value(field.kind, body, usize::from(field.offset)).as_f64()?;
+        let stored = field.value(body).as_f64()?;
         Some(if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored })
     }
 
@@ -171,6 +206,16 @@ impl Layout {
             }
             _ => self.number(index, body).and_then(|number| whole(number * times as f64)),
         }
+    }
+}
+
+/// Writes a float as Python's `repr` does, but `qnan` for every NaN except the plain one: autopilots calculate the others.
+pub fn write_float(out: &mut String, number: f64) {
+    const PLAIN_NAN: u64 = 0x7FF8_0000_0000_0000;
+    if number.is_nan() && number.to_bits() != PLAIN_NAN {
+        out.push_str("qnan");
+    } else {
+        pyfloat::write_repr(out, number);
     }
 }
 
@@ -223,7 +268,7 @@ pub(super) fn split_columns(columns: &str) -> Vec<String> {
 
 /// The text in a field that a NUL ends; bytes that are no UTF-8 are shown as `\xff`.
 pub fn log_text(bytes: &[u8]) -> String {
-    let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
+    let bytes = &bytes[..memchr(0, bytes).unwrap_or(bytes.len())];
     let mut text = String::with_capacity(bytes.len());
     for chunk in bytes.utf8_chunks() {
         text.push_str(chunk.valid());
