@@ -12,6 +12,7 @@ use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, trimmed};
 use mavwire_core::log::dataflash::{Definitions, RecordEntry, index};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN};
 use mavwire_io::dataflash::DataflashFile;
+use mavwire_io::dataflash_log::DataflashLog;
 use mavwire_io::records::{AtOffset, RecordFinder};
 use mavwire_io::text_log::TextLogFile;
 use mavwire_io::window::FileWindow;
@@ -110,13 +111,15 @@ fn binary(path: &Path, chunk: usize, bytes: &[u8]) {
     assert_eq!(log.definitions().layouts(), definitions.layouts());
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(entry) = log.entry_at(at).expect("a file") {
-        let record = log.bytes_at(entry.offset, entry.len.into());
+        let record = log.bytes_at(entry.offset, entry.len);
         let start = entry.offset as usize;
-        assert_eq!(record, &bytes[start..start + usize::from(entry.len)]);
-        at = entry.offset + u64::from(entry.len);
-        found.push(entry);
+        assert_eq!(record, &bytes[start..start + entry.len]);
+        at = entry.next;
+        let (layout, len) = (entry.layout as u16, entry.len as u8);
+        found.push(RecordEntry { offset: entry.offset, layout, len });
     }
     assert_eq!(found, whole);
+    let mut log = DataflashLog::Binary(Box::new(log));
     let contents = log.contents(&mut |_| true).expect("a file");
     assert_eq!(contents.counts.iter().sum::<u64>(), whole.len() as u64);
     assert_eq!((contents.junk, contents.last), (junk, whole.last().map(|entry| entry.offset)));
@@ -153,10 +156,11 @@ fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(entry) = log.entry_at(at).expect("a file") {
         assert!(bytes[entry.offset as usize..].starts_with(log.bytes_at(entry.offset, entry.len)));
-        found.push((entry.offset, entry.layout));
+        found.push((entry.offset, entry.layout as u16));
         at = entry.next;
     }
     assert_eq!(found, whole);
+    let mut log = DataflashLog::Text(Box::new(log));
     let contents = log.contents(&mut |_| true).expect("a file");
     assert_eq!(contents.counts.iter().sum::<u64>(), whole.len() as u64);
 }

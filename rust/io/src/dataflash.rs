@@ -1,4 +1,4 @@
-//! A binary dataflash log file: what it describes, what it holds, and its records one after the other.
+//! A binary dataflash log file: what it describes, and its records one after the other.
 //!
 //! The file is read through a window and never mapped or held. What lies behind the length that it had when it was
 //! opened is not looked at.
@@ -6,14 +6,10 @@
 use std::io;
 use std::path::Path;
 
-use mavwire_core::log::dataflash::{
-    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, RecordEntry, Units, index, look, pass,
-};
+use mavwire_core::log::dataflash::{Definitions, FMT_LAYOUT_LEN, Found, LOOK_LEN, look, pass};
 
-use crate::log_contents::LogContents;
+use crate::dataflash_record::Entry;
 use crate::window::{CHUNK, FileWindow};
-
-pub use crate::log_contents::Contents;
 
 /// An open log.
 #[derive(Debug, Clone)]
@@ -21,8 +17,6 @@ pub struct DataflashFile {
     window: FileWindow,
     len: u64,
     definitions: Definitions,
-    /// Bytes that are looked at in one go.
-    stretch: usize,
 }
 
 impl DataflashFile {
@@ -52,7 +46,7 @@ impl DataflashFile {
             }
             at += (bytes.len() - (FMT_LAYOUT_LEN - 1)) as u64;
         }
-        Ok(Self { window, len, definitions, stretch })
+        Ok(Self { window, len, definitions })
     }
 
     /// Bytes of the file when it was opened.
@@ -70,21 +64,20 @@ impl DataflashFile {
     /// # Errors
     /// The error of the operating system.
     #[inline]
-    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<RecordEntry>> {
+    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<Entry>> {
         let mut at = offset;
-        loop {
+        while at < self.len {
             let (bytes, last) = bytes_at(&mut self.window, self.len, at)?;
             match look(bytes, at, &self.definitions, last) {
                 Found::Record { len, layout } => {
-                    return Ok(Some(RecordEntry { offset: at, layout, len: len as u8 }));
+                    let (layout, next) = (layout.into(), at + len as u64);
+                    return Ok(Some(Entry { offset: at, layout, len, next }));
                 }
                 Found::Junk { len } => at += len as u64,
-                Found::Incomplete => return Ok(None),
-            }
-            if at >= self.len {
-                return Ok(None);
+                Found::Incomplete => break,
             }
         }
+        Ok(None)
     }
 
     /// The first `len` bytes of the record that [`Self::entry_at`] found last, at `offset`.
@@ -103,55 +96,6 @@ impl DataflashFile {
         let (bytes, _) = bytes_at(&mut self.window, self.len, offset)?;
         let (len, passed) = pass(bytes, offset, &self.definitions, wanted, most);
         Ok((offset + len as u64, passed))
-    }
-
-    /// Goes through the whole log. `progress` is told the offset now and then; `false` from it ends the run.
-    ///
-    /// # Errors
-    /// What the operating system says; `Interrupted` where `progress` ended it.
-    pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
-        let units = Units::default();
-        let (contents, late) = self.contents_with(units, progress)?;
-        if !late {
-            return Ok(contents);
-        }
-        // Units that stand behind what they describe: the instances of that are found in a second run.
-        Ok(self.contents_with(contents.units, progress)?.0)
-    }
-
-    fn contents_with(
-        &mut self,
-        units: Units,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> io::Result<(Contents, bool)> {
-        let Self { window, len, definitions, stretch } = self;
-        let wanted = *stretch + LOOK_LEN;
-        let mut tally = LogContents::new(definitions.layouts(), units);
-        let mut at = 0;
-        while at < *len {
-            let bytes = window.at(at, wanted)?;
-            let left = usize::try_from(*len - at).unwrap_or(usize::MAX);
-            let bytes = &bytes[..bytes.len().min(left)];
-            let last = bytes.len() < wanted || bytes.len() == left;
-            let add = |entry: RecordEntry, record: &[u8]| {
-                let body = &record[HEAD_LEN..];
-                tally.add(
-                    entry,
-                    |units, layout| units.add(layout, body),
-                    |layout, field| layout.field_bytes(field, body).unwrap_or_default(),
-                );
-            };
-            let (done, junk) = index(bytes, at, *stretch, definitions, last, add);
-            tally.contents.junk += junk;
-            if done == 0 {
-                break;
-            }
-            at += done as u64;
-            if !progress(at) {
-                return Err(io::ErrorKind::Interrupted.into());
-            }
-        }
-        Ok(tally.finish())
     }
 }
 

@@ -4,15 +4,21 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::text::{self, Delimiter, nth_value};
-use mavwire_core::log::dataflash::{ClockFinder, FieldKind, HEAD_LEN, Layout, TimeUnit};
-use mavwire_core::pyfloat;
+use mavwire_core::log::dataflash::text::Delimiter;
+use mavwire_core::log::dataflash::{ClockFinder, HEAD_LEN, Layout, Units};
 
-use crate::dataflash::{Contents, DataflashFile};
-use crate::text_log::{LineEntry, TextLogFile};
+use crate::dataflash::DataflashFile;
+use crate::log_contents::LogContents;
+use crate::text_log::TextLogFile;
+
+pub use crate::dataflash_record::{Entry, Record};
+pub use crate::log_contents::Contents;
 
 /// Records between two looks at whether the user wishes to stop.
 pub const BUDGET: u32 = 1 << 16;
+
+/// Bytes between two calls of `progress`.
+const PROGRESS: u64 = 64 * 1024;
 
 /// A log.
 #[derive(Debug, Clone)]
@@ -21,19 +27,6 @@ pub enum DataflashLog {
     Binary(Box<DataflashFile>),
     /// A `.log` file.
     Text(Box<TextLogFile>),
-}
-
-/// A record of a log.
-#[derive(Debug, Clone, Copy)]
-pub struct Entry {
-    /// The record starts here.
-    pub offset: u64,
-    /// Index of its layout.
-    pub layout: usize,
-    /// The next record is at or behind this offset.
-    pub next: u64,
-    /// Bytes of the record, or of the line.
-    len: usize,
 }
 
 /// How a search for a record ended.
@@ -89,10 +82,54 @@ impl DataflashLog {
     /// # Errors
     /// The error of the operating system. `Interrupted` if `progress` ended the run.
     pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
-        match self {
-            Self::Binary(file) => file.contents(progress),
-            Self::Text(file) => file.contents(progress),
+        let (contents, late) = self.contents_with(Units::default(), progress)?;
+        if !late {
+            return Ok(contents);
         }
+        // Units behind what they describe: a second run finds the instances of that.
+        Ok(self.contents_with(contents.units, progress)?.0)
+    }
+
+    fn contents_with(
+        &mut self,
+        units: Units,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<(Contents, bool)> {
+        let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
+        let is_time = |column: &String| matches!(column.as_str(), "TimeUS" | "TimeMS");
+        let is_timed = |layout: &Arc<Layout>| layout.columns.iter().any(is_time);
+        let timed: Vec<bool> = layouts.iter().map(is_timed).collect();
+        let mut tally = LogContents::new(&layouts, units);
+        let (mut record_bytes, mut last_timed) = (0, None);
+        self.each(progress, |entry, bytes| {
+            record_bytes += entry.next - entry.offset;
+            if timed[entry.layout] {
+                last_timed = Some(entry.offset);
+            }
+            tally.add(entry, bytes, delimiter);
+        })?;
+        match delimiter {
+            None => tally.contents.junk = self.size() - record_bytes,
+            Some(_) => tally.contents.last = last_timed.or(tally.contents.last),
+        }
+        Ok(tally.finish())
+    }
+
+    fn each(
+        &mut self,
+        progress: &mut dyn FnMut(u64) -> bool,
+        mut record: impl FnMut(Entry, &[u8]),
+    ) -> io::Result<()> {
+        let (mut at, mut told) = (0, 0);
+        while let Some(entry) = self.entry_at(at)? {
+            at = entry.next;
+            record(entry, self.bytes(entry));
+            if at - told > PROGRESS {
+                told = at;
+                tell(progress, at)?;
+            }
+        }
+        tell(progress, self.size())
     }
 
     /// Goes through the log up to the record that tells when it began. `progress` is that of [`Self::contents`].
@@ -109,12 +146,15 @@ impl DataflashLog {
         while !finder.is_settled() {
             let entry = match self.step(&mut at, Some(&telling), &mut { BUDGET })? {
                 Step::Found(entry) => entry,
-                Step::Paused if progress(at) => continue,
-                Step::Paused => return Err(io::ErrorKind::Interrupted.into()),
+                Step::Paused => {
+                    tell(progress, at)?;
+                    continue;
+                }
                 Step::End => break,
             };
-            let (layout, bytes) = (&layouts[entry.layout], self.bytes(entry));
-            if finder.add(layout, entry.offset, |index| number(layout, bytes, delimiter, index)) {
+            let (layout, bytes) = (&*layouts[entry.layout], self.bytes(entry));
+            let record = Record { layout, bytes, delimiter };
+            if finder.add(layout, entry.offset, |index| record.number(index)) {
                 telling = wanted(&finder);
             }
         }
@@ -127,15 +167,7 @@ impl DataflashLog {
     /// Those of [`Self::contents`].
     pub fn offsets(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Vec<Vec<u64>>> {
         let mut offsets = vec![Vec::new(); self.layouts().len()];
-        let (mut at, mut records) = (0, 0_u32);
-        while let Some(entry) = self.entry_at(at)? {
-            at = entry.next;
-            offsets[entry.layout].push(entry.offset);
-            records = records.wrapping_add(1);
-            if records % BUDGET == 0 && !progress(at) {
-                return Err(io::ErrorKind::Interrupted.into());
-            }
-        }
+        self.each(progress, |entry, _| offsets[entry.layout].push(entry.offset))?;
         Ok(offsets)
     }
 
@@ -145,17 +177,10 @@ impl DataflashLog {
     /// The error of the operating system.
     #[inline]
     pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<Entry>> {
-        Ok(match self {
-            Self::Binary(file) => file.entry_at(offset)?.map(|entry| {
-                let (offset, len) = (entry.offset, usize::from(entry.len));
-                let next = offset + u64::from(entry.len);
-                Entry { offset, layout: entry.layout.into(), next, len }
-            }),
-            Self::Text(file) => file.entry_at(offset)?.map(|line| {
-                let LineEntry { offset, layout, next, len } = line;
-                Entry { offset, layout: layout.into(), next, len }
-            }),
-        })
+        match self {
+            Self::Binary(file) => file.entry_at(offset),
+            Self::Text(file) => file.entry_at(offset),
+        }
     }
 
     /// Finds the next record, of the `wanted` layouts if these are given, and moves `at` behind it. `budget` counts down the
@@ -199,56 +224,54 @@ impl DataflashLog {
     }
 }
 
-/// A number of a record, by the index of its field. The record is a line if there is a delimiter.
-#[inline]
-pub fn number(
-    layout: &Layout,
-    bytes: &[u8],
-    delimiter: Option<Delimiter>,
-    index: usize,
-) -> Option<f64> {
-    let Some(delimiter) = delimiter else { return layout.number(index, bytes) };
-    text::number(layout.fields.get(index)?.kind, nth_value(bytes, delimiter, index)?)
+fn tell(progress: &mut dyn FnMut(u64) -> bool, at: u64) -> io::Result<()> {
+    if progress(at) { Ok(()) } else { Err(io::ErrorKind::Interrupted.into()) }
 }
 
-/// The stored bytes of a field.
-pub fn field_bytes<'a>(
-    layout: &Layout,
-    bytes: &'a [u8],
-    delimiter: Option<Delimiter>,
-    index: usize,
-) -> Option<&'a [u8]> {
-    match delimiter {
-        None => layout.field_bytes(index, bytes),
-        Some(delimiter) => text::value_at(bytes, delimiter, &layout.name, index),
+#[cfg(test)]
+mod tests {
+    use mavwire_core::log::dataflash::ClockUnit;
+
+    use super::*;
+
+    const TEXT: &str = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n\
+        FMT, 1, 30, GPS, QHI, TimeUS,GWk,GMS\nFMT, 2, 30, ATT, QB, TimeUS,I\n\
+        ATT, 4000, 3\nGPS, 5000, 0, 1\nATT, 6000, x\nGPS, 7000, 1800, 1000\nGPS, 8000, 1801, 1\n";
+
+    fn log(name: &str) -> DataflashLog {
+        let path = std::env::temp_dir().join(format!("mavwire-{}-{name}.log", std::process::id()));
+        std::fs::write(&path, TEXT).expect("a file");
+        let log = DataflashLog::open(&path, true).expect("a log");
+        std::fs::remove_file(&path).expect("a file");
+        log
     }
-}
 
-/// The value of a field as Python's `str` shows it. `None` for an array, and for a word in the place of a number.
-pub fn field_text(
-    layout: &Layout,
-    bytes: &[u8],
-    delimiter: Option<Delimiter>,
-    index: usize,
-) -> Option<String> {
-    let mut out = String::new();
-    let kind = layout.fields.get(index)?.kind;
-    let Some(delimiter) = delimiter else {
-        return layout.write_text(&mut out, index, bytes).then_some(out);
-    };
-    let value = text::value_at(bytes, delimiter, &layout.name, index)?;
-    match kind {
-        FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode => out = text::decode_line(value),
-        kind if kind.is_float() => pyfloat::write_repr(&mut out, text::number(kind, value)?),
-        kind => out = (text::number(kind, value)? as i64).to_string(),
+    #[test]
+    fn the_clock_is_that_of_the_first_record_that_tells_it() {
+        let finder = log("clock").find_clock(&mut |_| true).expect("a clock");
+        let told = finder.told().expect("a record");
+        let at = TEXT.find("GPS, 7000").expect("the record") as u64;
+        assert_eq!((told.unit, told.at), (ClockUnit::Micros, at));
+        let clock = finder.finish().expect("a clock");
+        assert_eq!(clock.first - clock.base, 4000);
     }
-    Some(out)
-}
 
-/// Seconds since start, for records that carry a time.
-#[inline]
-pub fn seconds(layout: &Layout, bytes: &[u8], delimiter: Option<Delimiter>) -> Option<f64> {
-    let (index, unit) = layout.time?;
-    let stored = number(layout, bytes, delimiter, index)?;
-    Some(stored * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
+    #[test]
+    fn a_step_passes_unwanted_records_and_counts_them() {
+        let mut log = log("steps");
+        let wanted: Vec<bool> = log.layouts().iter().map(|layout| layout.name == "ATT").collect();
+        let (mut at, mut texts) = (0, Vec::new());
+        let mut budget = 5;
+        while let Step::Found(entry) = log.step(&mut at, Some(&wanted), &mut budget).expect("a log")
+        {
+            let layout = log.layouts()[entry.layout].clone();
+            texts.push(
+                Record { layout: &layout, bytes: log.bytes(entry), delimiter: log.delimiter() }
+                    .text(1),
+            );
+        }
+        assert_eq!((texts, budget), (vec![Some("3".to_owned()), None], 0));
+        let step = log.step(&mut at, Some(&wanted), &mut 5).expect("a log");
+        assert!(matches!(step, Step::End));
+    }
 }

@@ -3,7 +3,10 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
+use mavwire_core::log::dataflash::text::Delimiter;
+use mavwire_core::log::dataflash::{Layout, Units};
+
+use crate::dataflash_record::{Entry, Record};
 
 /// Instances whose first record is remembered at most.
 const MAX_INSTANCES: usize = 8192;
@@ -17,7 +20,7 @@ pub struct Contents {
     pub first: Vec<Option<u64>>,
     /// Where the first record of each instance starts, in the order of the log.
     pub instances: Vec<u64>,
-    /// Where the last record starts: in a text log the last one with a time, if there is one.
+    /// Where the last record starts. In a text log it is the last one with a time, if there is one.
     pub last: Option<u64>,
     /// Bytes that belong to no record.
     pub junk: u64,
@@ -34,7 +37,7 @@ pub(crate) struct LogContents<'a> {
     /// Instance field of each layout, and after how many changes it was looked up. One that is looked up when its next
     /// record comes costs the same however many layouts a log has.
     instance: Vec<(Option<usize>, u64)>,
-    seen: HashSet<(u16, Vec<u8>)>,
+    seen: HashSet<(usize, Vec<u8>)>,
     /// Units came behind records that they describe.
     late: bool,
 }
@@ -77,16 +80,12 @@ impl<'a> LogContents<'a> {
         (self.contents, self.late)
     }
 
-    /// Counts a record. `units` takes in what it says about units, `instance` gives the bytes of a field.
+    /// Counts a record.
     #[inline]
-    pub(crate) fn add<'r>(
-        &mut self,
-        entry: RecordEntry,
-        units: impl FnOnce(&mut Units, &Layout) -> Option<u8>,
-        instance: impl FnOnce(&Layout, usize) -> &'r [u8],
-    ) {
-        let index = usize::from(entry.layout);
-        let layout = &self.layouts[index];
+    pub(crate) fn add(&mut self, entry: Entry, bytes: &[u8], delimiter: Option<Delimiter>) {
+        let index = entry.layout;
+        let layout = &*self.layouts[index];
+        let record = Record { layout, bytes, delimiter };
         let field = self.instance_field(index);
         self.contents.counts[index] += 1;
         self.contents.last = Some(entry.offset);
@@ -94,17 +93,17 @@ impl<'a> LogContents<'a> {
             self.contents.first[index] = Some(entry.offset);
         }
         if let Some(field) = field {
-            self.add_instance(entry, instance(layout, field));
+            self.add_instance(entry, record.stored(field).unwrap_or_default());
         }
         // UNIT, MULT and FMTU.
         if layout.name.len() == 4
-            && let Some(type_id) = units(&mut self.contents.units, layout)
+            && let Some(type_id) = record.tell_units(&mut self.contents.units)
         {
             self.changes[usize::from(type_id)] += 1;
         }
     }
 
-    fn add_instance(&mut self, entry: RecordEntry, instance: &[u8]) {
+    fn add_instance(&mut self, entry: Entry, instance: &[u8]) {
         if self.seen.len() < MAX_INSTANCES && self.seen.insert((entry.layout, instance.to_vec())) {
             self.contents.instances.push(entry.offset);
         }

@@ -5,12 +5,12 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
+use mavwire_core::log::dataflash::Layout;
 use mavwire_core::log::dataflash::text::{
-    Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, nth_value, trimmed,
+    Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, trimmed,
 };
-use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
 
-use crate::log_contents::{Contents, LogContents};
+use crate::dataflash_record::Entry;
 use crate::window::{CHUNK, FileWindow};
 
 /// Bytes at the start that show how values are separated.
@@ -33,19 +33,6 @@ pub struct TextLogFile {
     longest: usize,
 }
 
-/// A line that is a record.
-#[derive(Debug, Clone, Copy)]
-pub struct LineEntry {
-    /// Where it starts.
-    pub offset: u64,
-    /// Index of its layout.
-    pub layout: u16,
-    /// Bytes without white space at the end.
-    pub len: usize,
-    /// Where the next line starts.
-    pub next: u64,
-}
-
 /// A line of the log.
 struct Line {
     /// Where it starts.
@@ -64,17 +51,6 @@ struct Line {
 fn key_of(line: &[u8]) -> String {
     let key = &line[..line.len().min(KEY_LEN)];
     decode_line(&key[..memchr::memchr(b',', key).unwrap_or(key.len())])
-}
-
-/// Tells now and then where a walk through the log has come to; `Interrupted` if it shall end there.
-fn tell(progress: &mut dyn FnMut(u64) -> bool, at: u64, told: &mut u64) -> io::Result<()> {
-    if at - *told > MAX_LINE_LEN as u64 {
-        *told = at;
-        if !progress(at) {
-            return Err(io::ErrorKind::Interrupted.into());
-        }
-    }
-    Ok(())
 }
 
 impl TextLogFile {
@@ -197,7 +173,7 @@ impl TextLogFile {
     ///
     /// # Errors
     /// The error of the operating system.
-    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<LineEntry>> {
+    pub fn entry_at(&mut self, offset: u64) -> io::Result<Option<Entry>> {
         let mut at = offset;
         while let Some(line) = self.line_at(at)? {
             at = line.next;
@@ -205,8 +181,8 @@ impl TextLogFile {
             if line.is_whole
                 && let Some(layout) = self.definitions.of_line(bytes, line.offset)
             {
-                let (offset, len) = (line.offset, bytes.len());
-                return Ok(Some(LineEntry { offset, layout, len, next: at }));
+                let (offset, layout, len) = (line.offset, layout.into(), bytes.len());
+                return Ok(Some(Entry { offset, layout, len, next: at }));
             }
         }
         Ok(None)
@@ -215,49 +191,5 @@ impl TextLogFile {
     /// The first `len` bytes of the line that [`Self::entry_at`] found last, at `offset`.
     pub fn bytes_at(&self, offset: u64, len: usize) -> &[u8] {
         self.window.buffered(offset).get(..len).unwrap_or_default()
-    }
-
-    /// Goes through the whole log.
-    ///
-    /// # Errors
-    /// What the operating system says; `Interrupted` where `progress` ended it.
-    pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
-        let (contents, late) = self.contents_with(Units::default(), progress)?;
-        if !late {
-            return Ok(contents);
-        }
-        Ok(self.contents_with(contents.units, progress)?.0)
-    }
-
-    fn contents_with(
-        &mut self,
-        units: Units,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> io::Result<(Contents, bool)> {
-        let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
-        let is_time = |column: &String| matches!(column.as_str(), "TimeUS" | "TimeMS");
-        let is_timed = |layout: &Arc<Layout>| layout.columns.iter().any(is_time);
-        let timed: Vec<bool> = layouts.iter().map(is_timed).collect();
-        let mut tally = LogContents::new(&layouts, units);
-        let (mut at, mut told, mut last_timed) = (0, 0, None);
-        while let Some(found) = self.entry_at(at)? {
-            at = found.next;
-            let line = self.bytes_at(found.offset, found.len);
-            let entry = RecordEntry { offset: found.offset, layout: found.layout, len: 0 };
-            let value = |index| nth_value(line, delimiter, index).unwrap_or_default();
-            let named =
-                |layout: &Layout, name: &str| Some(decode_line(value(layout.field_index(name)?)));
-            tally.add(
-                entry,
-                |units, layout| units.add_values(&layout.name, |name| named(layout, name)),
-                |_, field| value(field),
-            );
-            if timed[usize::from(entry.layout)] {
-                last_timed = Some(entry.offset);
-            }
-            tell(progress, at, &mut told)?;
-        }
-        tally.contents.last = last_timed.or(tally.contents.last);
-        Ok(tally.finish())
     }
 }

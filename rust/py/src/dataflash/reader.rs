@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::ClockUnit;
 use mavwire_core::log::dataflash::text::Delimiter;
-use mavwire_io::dataflash::Contents;
-use mavwire_io::dataflash_log::{BUDGET, DataflashLog, Step};
+use mavwire_io::dataflash_log::{BUDGET, Contents, DataflashLog, Step};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};

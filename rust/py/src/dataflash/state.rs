@@ -11,7 +11,7 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
 use mavwire_core::frame::FrameBytes;
-use mavwire_io::dataflash_log::{DataflashLog, Step, field_bytes, field_text, seconds};
+use mavwire_io::dataflash_log::{DataflashLog, Record, Step};
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;
@@ -47,11 +47,12 @@ impl Kind {
         delimiter: Option<Delimiter>,
     ) -> Option<Py<PyString>> {
         let (index, layout) = (self.instance?, &*self.names.layout);
-        let stored = field_bytes(layout, bytes, delimiter, index)?;
+        let record = Record { layout, bytes, delimiter };
+        let stored = record.stored(index)?;
         if let Some(key) = self.keys.get(stored) {
             return Some(key.clone_ref(py));
         }
-        let value = field_text(layout, bytes, delimiter, index)?;
+        let value = record.text(index)?;
         let key = PyString::new(py, &format!("{}[{value}]", layout.name)).unbind();
         if self.keys.len() < MAX_KEYS {
             self.keys.insert(stored.into(), key.clone_ref(py));
@@ -138,7 +139,7 @@ impl State {
         );
         let clock = self.clock.as_ref().filter(|_| stamps);
         if let Some(clock) = clock {
-            let seconds = seconds(layout, bytes, delimiter);
+            let seconds = Record { layout, bytes, delimiter }.seconds();
             let unit = layout.time.map(|(_, unit)| unit);
             clock.get().stamp(&message.timestamp, seconds, unit);
         }

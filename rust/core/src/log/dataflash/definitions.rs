@@ -36,10 +36,8 @@ pub struct Definitions {
     layouts: Vec<Arc<Layout>>,
     /// The layout of each type.
     only: [Only; 256],
-    /// Type, offset from which it holds, index; sorted. Of the types with several layouts.
-    several: Vec<(u8, u64, u16)>,
-    /// Layouts of each type.
-    counts: [u8; 256],
+    /// By type: from which offset each of its layouts holds, and its index.
+    places: Vec<Vec<(u64, u16)>>,
 }
 
 impl Default for Definitions {
@@ -47,8 +45,7 @@ impl Default for Definitions {
         let mut definitions = Self {
             layouts: Vec::new(),
             only: [Only { index: NONE, len: 0 }; 256],
-            several: Vec::new(),
-            counts: [0; 256],
+            places: vec![Vec::new(); 256],
         };
         definitions.add(Layout::of_fmt(), 0);
         definitions
@@ -77,32 +74,17 @@ impl Definitions {
 
     /// Adds a layout that was found at `offset`, behind those that were added before.
     pub fn add(&mut self, layout: Layout, offset: u64) {
-        let type_id = layout.type_id;
-        let before = self.index_at(type_id, u64::MAX);
-        let known = before.and_then(|index| self.layouts.get(usize::from(index)));
-        let count = &mut self.counts[usize::from(type_id)];
-        if known.is_some_and(|known| **known == layout) || usize::from(*count) >= MAX_FOR_TYPE {
+        let type_id = usize::from(layout.type_id);
+        let places = &mut self.places[type_id];
+        let known = places.last().map(|&(_, index)| &self.layouts[usize::from(index)]);
+        if known.is_some_and(|known| **known == layout) || places.len() >= MAX_FOR_TYPE {
             return;
         }
-        *count += 1;
         let (index, len) = (self.layouts.len() as u16, layout.len);
+        let (from, only) = if places.is_empty() { (0, index) } else { (offset, SEVERAL) };
+        places.push((from, index));
+        self.only[type_id] = Only { index: only, len };
         self.layouts.push(Arc::new(layout));
-        let Some(before) = before else {
-            self.only[usize::from(type_id)] = Only { index, len };
-            return;
-        };
-        let only = &mut self.only[usize::from(type_id)].index;
-        if *only != SEVERAL {
-            *only = SEVERAL;
-            self.insert(type_id, 0, before);
-        }
-        self.insert(type_id, offset, index);
-    }
-
-    fn insert(&mut self, type_id: u8, offset: u64, index: u16) {
-        let place = (type_id, offset, index);
-        let at = self.several.partition_point(|entry| *entry < place);
-        self.several.insert(at, place);
     }
 
     /// Index of the layout for a record of a type at a place in the log.
@@ -116,9 +98,9 @@ impl Definitions {
     }
 
     fn index_of_several(&self, type_id: u8, offset: u64) -> Option<u16> {
-        let end = self.several.partition_point(|entry| *entry <= (type_id, offset, u16::MAX));
-        let (found, _, index) = *self.several.get(end.checked_sub(1)?)?;
-        (found == type_id).then_some(index)
+        let places = &self.places[usize::from(type_id)];
+        let behind = places.partition_point(|&(from, _)| from <= offset);
+        Some(places.get(behind.checked_sub(1)?)?.1)
     }
 
     /// Index and length of a record of a type at a place in the log.

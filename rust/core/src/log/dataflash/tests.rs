@@ -293,3 +293,29 @@ fn a_type_of_a_text_log_may_have_no_fields() {
         assert_eq!(definitions.of_line(trimmed(line.as_bytes()), 50), expected, "{line:?}");
     }
 }
+
+#[test]
+fn values_as_text() {
+    let columns = ["A", "B", "C", "D", "E", "F"].map(str::to_owned).to_vec();
+    let layout = Layout::new(1, 0, "X".into(), "bQcfna".into(), columns).expect("a layout");
+    let mut body = vec![0xFF];
+    body.extend(u64::MAX.to_le_bytes());
+    body.extend((-150_i16).to_le_bytes());
+    body.extend(1.5_f32.to_le_bytes());
+    body.extend(b"a\xe9\0z");
+    body.resize(body.len() + 2 * ARRAY_LEN, 0);
+    let mut out = String::new();
+    for index in 0..5 {
+        assert!(layout.write_text(&mut out, index, &body));
+        out.push(' ');
+    }
+    assert_eq!(out, format!("-1 {} -1.5 1.5 a\u{e9} ", u64::MAX));
+    assert!(!layout.write_text(&mut out, 5, &body) && !layout.write_text(&mut out, 6, &body));
+    assert_eq!(layout.field_bytes(2, &body), Some(&body[9..11]));
+    assert_eq!(layout.field_bytes(5, &body[..20]), None);
+    for (number, text) in [(f64::NAN, "nan"), (-f64::NAN, "qnan"), (2.0, "2.0")] {
+        let mut out = String::new();
+        write_float(&mut out, number);
+        assert_eq!(out, text);
+    }
+}

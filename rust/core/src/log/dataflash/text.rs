@@ -118,13 +118,7 @@ pub fn name(line: &[u8], delimiter: Delimiter) -> &[u8] {
 /// The value at `index` of a line's values, with the spaces around it.
 #[inline]
 pub fn nth_value(line: &[u8], delimiter: Delimiter, index: usize) -> Option<&[u8]> {
-    let separator = delimiter.text().as_bytes();
-    let mut rest = line;
-    for _ in 0..=index {
-        let at = memchr::memmem::find(rest, separator)?;
-        rest = &rest[at + separator.len()..];
-    }
-    Some(&rest[..memchr::memmem::find(rest, separator).unwrap_or(rest.len())])
+    value_at(line, delimiter, "", index)
 }
 
 /// The number in a value of a field of some kind; `None` for what is none of that kind, such as a fraction among integers.
