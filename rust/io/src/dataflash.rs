@@ -8,7 +8,7 @@ use std::path::Path;
 
 use mavwire_core::log::dataflash::{Definitions, FMT_LAYOUT_LEN, Found, LOOK_LEN, look, pass};
 
-use crate::dataflash_record::Entry;
+use crate::log_contents::Entry;
 use crate::window::{CHUNK, FileWindow};
 
 /// An open log.

@@ -5,14 +5,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
-use mavwire_core::log::dataflash::{ClockFinder, HEAD_LEN, Layout, Units};
+use mavwire_core::log::dataflash::{ClockFinder, HEAD_LEN, Layout, Record, Units};
 
 use crate::dataflash::DataflashFile;
 use crate::log_contents::LogContents;
 use crate::text_log::TextLogFile;
 
-pub use crate::dataflash_record::{Entry, Record};
-pub use crate::log_contents::Contents;
+pub use crate::log_contents::{Contents, Entry};
 
 /// Records between two looks at whether the user wishes to stop.
 pub const BUDGET: u32 = 1 << 16;

@@ -10,7 +10,6 @@ pub mod bytes;
 pub mod clock;
 pub mod dataflash;
 pub mod dataflash_log;
-mod dataflash_record;
 pub mod datagrams;
 pub mod error_text;
 pub mod files;

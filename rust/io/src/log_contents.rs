@@ -4,12 +4,23 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
-use mavwire_core::log::dataflash::{Layout, Units};
-
-use crate::dataflash_record::{Entry, Record};
+use mavwire_core::log::dataflash::{Layout, Record, Units};
 
 /// Instances whose first record is remembered at most.
 const MAX_INSTANCES: usize = 8192;
+
+/// Where a record is.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// The record starts here.
+    pub offset: u64,
+    /// Index of its layout.
+    pub layout: usize,
+    /// Bytes of the record, or of the line.
+    pub len: usize,
+    /// The next record is at or behind this offset.
+    pub next: u64,
+}
 
 /// What a log holds.
 #[derive(Debug, Clone)]

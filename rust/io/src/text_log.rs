@@ -10,7 +10,7 @@ use mavwire_core::log::dataflash::text::{
     Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, trimmed,
 };
 
-use crate::dataflash_record::Entry;
+use crate::log_contents::Entry;
 use crate::window::{CHUNK, FileWindow};
 
 /// Bytes at the start that show how values are separated.
@@ -39,11 +39,9 @@ struct Line {
     offset: u64,
     /// Where the next one starts.
     next: u64,
-    /// It is longer than anything that is read.
-    too_long: bool,
     /// All of it can be read, and a line feed ends it: without that its last value may be cut off.
     is_whole: bool,
-    /// Bytes without the line's end.
+    /// Bytes without the line's end; 0 of a line that is too long.
     len: usize,
 }
 
@@ -85,7 +83,7 @@ impl TextLogFile {
         while let Some(line) = self.line_at(at)? {
             at = line.next;
             let bytes = &self.window.buffered(line.offset)[..line.len];
-            if line.too_long || trimmed(bytes).is_empty() {
+            if trimmed(bytes).is_empty() {
                 continue;
             }
             let key = key_of(bytes);
@@ -131,18 +129,13 @@ impl TextLogFile {
         if offset >= self.len {
             return Ok(None);
         }
-        let (len, end) = self.line_len(offset)?;
-        if let Some(len) = len {
-            let next = offset + len as u64 + 1;
-            return Ok(Some(Line { offset, next, too_long: false, is_whole: true, len }));
-        }
-        if end < self.longest {
-            let next = offset + end as u64;
-            let rest = Line { offset, next, too_long: false, is_whole: false, len: end };
-            return Ok((end > 0).then_some(rest));
-        }
-        let next = self.end_of_long_line(offset + end as u64)?;
-        Ok(Some(Line { offset, next, too_long: true, is_whole: false, len: 0 }))
+        let (found, end) = self.line_len(offset)?;
+        let (len, next) = match found {
+            Some(len) => (len, offset + len as u64 + 1),
+            None if end < self.longest => (end, offset + end as u64),
+            None => (0, self.end_of_long_line(offset + end as u64)?),
+        };
+        Ok((next > offset).then_some(Line { offset, next, is_whole: found.is_some(), len }))
     }
 
     /// Bytes up to the next line feed, and how many bytes there are at all, at most `longest`.

@@ -1,10 +1,8 @@
 //! A run over a log that finds what it says about itself. Once more over all of it where records stand in front of what
 //! describes them, between bytes that belonged to no record until then.
 
-use std::cell::LazyCell;
-
-use mavwire_core::log::dataflash::text::{decode_line, number, values};
-use mavwire_core::log::dataflash::{ClockFinder, FMT_LAYOUT_LEN, HEAD_LEN, Layout, Units};
+use mavwire_core::log::dataflash::text::Delimiter;
+use mavwire_core::log::dataflash::{ClockFinder, FMT_LAYOUT_LEN, HEAD_LEN, Layout, Record, Units};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -152,12 +150,7 @@ impl Run {
         let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
         for place in few.collect::<Vec<_>>() {
             let body = &place.of(bytes)[HEAD_LEN..];
-            teller.add(
-                place.layout,
-                offset + u64::from(place.at),
-                |units, layout| _ = units.add(layout, body),
-                |layout, i| layout.number(i, body),
-            );
+            teller.add(place.layout, offset + u64::from(place.at), body, None);
         }
         hops
     }
@@ -181,18 +174,7 @@ impl Run {
             let delimiter = definitions.delimiter();
             let layouts = definitions.layouts();
             let mut teller = Teller::new(units, finder, telling, layouts);
-            // Split once, and only where a line tells something.
-            let values =
-                LazyCell::new(|| values(bytes, delimiter, &layouts[usize::from(layout)].name));
-            let value = |i: usize| values.get(i).copied();
-            let text =
-                |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
-            teller.add(
-                layout,
-                place,
-                |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
-                |layout, i| number(layout.fields.get(i)?.kind, value(i)?),
-            );
+            teller.add(layout, place, bytes, Some(delimiter));
         })
     }
 
@@ -248,19 +230,14 @@ impl<'a> Teller<'a> {
     }
 
     #[inline]
-    fn add(
-        &mut self,
-        layout: u16,
-        at: u64,
-        units: impl FnOnce(&mut Units, &Layout),
-        number: impl Fn(&Layout, usize) -> Option<f64>,
-    ) {
+    fn add(&mut self, layout: u16, at: u64, bytes: &[u8], delimiter: Option<Delimiter>) {
         if !self.telling[usize::from(layout)] {
             return;
         }
-        let layout = &self.layouts[usize::from(layout)];
-        units(self.units, layout);
-        if self.finder.add(layout, at, |index| number(layout, index)) {
+        let layout = &*self.layouts[usize::from(layout)];
+        let record = Record { layout, bytes, delimiter };
+        record.tell_units(self.units);
+        if self.finder.add(layout, at, |index| record.number(index)) {
             for (telling, layout) in self.telling.iter_mut().zip(self.layouts) {
                 *telling = tells(self.finder, layout);
             }

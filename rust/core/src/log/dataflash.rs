@@ -11,6 +11,7 @@ mod clock;
 mod definitions;
 mod field;
 mod layout;
+mod record;
 mod records;
 pub mod text;
 mod units;
@@ -21,6 +22,7 @@ pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
 pub use layout::{
     FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole, write_float,
 };
+pub use record::Record;
 pub use records::{Found, LOOK_LEN, RecordEntry, index, look, pass};
 pub use units::Units;
 

@@ -130,11 +130,11 @@ impl DataflashReader {
         let state = self.state.lock(py);
         let len = state.len.max(1);
         // With its own buffer: other threads and `progress` may read from the log meanwhile.
-        let mut source = state.log.clone().ok_or_else(closed)?;
+        let mut log = state.log.clone().ok_or_else(closed)?;
         drop(state);
         let (mut percent, mut failed) = (0, None);
         let result = py.detach(|| {
-            walk(&mut source, &mut |at| {
+            walk(&mut log, &mut |at| {
                 let now = at * 100 / len;
                 let tell = now != percent;
                 percent = now;
@@ -184,26 +184,30 @@ impl DataflashReader {
         generic_setattr(slf, name, None)
     }
 
-    /// Opens a log and returns its layouts: (offset, type, length, name, format, columns) of each.
+    /// Opens a log and returns its layouts: (type, length, name, format, columns) of each.
     fn _open<'py>(
         &self,
         py: Python<'py>,
         path: PathBuf,
         text: bool,
     ) -> PyResult<Bound<'py, PyList>> {
-        let source = py.detach(|| DataflashLog::open(&path, text))?;
+        let log = py.detach(|| DataflashLog::open(&path, text))?;
         let layouts = PyList::empty(py);
-        for layout in source.layouts() {
-            let columns = PyList::new(py, &layout.columns)?;
-            let row = (layout.type_id, layout.len, &layout.name, &layout.format, columns);
-            layouts.append(row)?;
+        for layout in log.layouts() {
+            layouts.append((
+                layout.type_id,
+                layout.len,
+                &layout.name,
+                &layout.format,
+                &layout.columns,
+            ))?;
         }
         let mut state = self.state.lock(py);
-        state.len = source.size();
+        state.len = log.size();
         state.offset = 0;
         state.latched = None;
         let before = std::mem::take(&mut state.kinds);
-        state.log = Some(source);
+        state.log = Some(log);
         drop(state);
         drop(before);
         Ok(layouts)
@@ -218,7 +222,7 @@ impl DataflashReader {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let progress = progress.map(Bound::unbind);
-        as_dict(py, &self.walk(py, progress, |source, tell| source.contents(tell))?)
+        as_dict(py, &self.walk(py, progress, |log, tell| log.contents(tell))?)
     }
 
     /// Sets what messages of each layout need: its `DFFormat` and the index of its instance field.
@@ -276,7 +280,7 @@ impl DataflashReader {
 
     /// Offsets of all records, by layout.
     fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
-        self.walk(py, None, |source, tell| source.offsets(tell))
+        self.walk(py, None, |log, tell| log.offsets(tell))
     }
 
     /// Lets go of the file.
@@ -443,10 +447,8 @@ fn as_dict<'py>(py: Python<'py>, contents: &Contents) -> PyResult<Bound<'py, PyD
     dict.set_item("last", contents.last)?;
     dict.set_item("junk", contents.junk)?;
     let units = &contents.units;
-    let labels = units.labels.iter().map(|(id, label)| (id.to_string(), label));
-    dict.set_item("labels", labels.collect::<Vec<_>>())?;
-    let factors = units.multipliers.iter().map(|(id, factor)| (id.to_string(), factor));
-    dict.set_item("multipliers", factors.collect::<Vec<_>>())?;
+    dict.set_item("labels", &units.labels)?;
+    dict.set_item("multipliers", &units.multipliers)?;
     dict.set_item("fields", &units.fields)?;
     Ok(dict)
 }

@@ -11,7 +11,8 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
 use mavwire_core::frame::FrameBytes;
-use mavwire_io::dataflash_log::{DataflashLog, Record, Step};
+use mavwire_core::log::dataflash::Record;
+use mavwire_io::dataflash_log::{DataflashLog, Step};
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;

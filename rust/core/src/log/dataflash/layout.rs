@@ -156,11 +156,6 @@ impl Layout {
         Some(self.fields.get(index)?.value(body))
     }
 
-    /// The stored value of the field called `name`.
-    pub fn named<'a>(&self, name: &str, body: &'a [u8]) -> Option<Value<'a>> {
-        self.value(self.field_index(name)?, body)
-    }
-
     /// The stored bytes of a field.
     #[inline]
     pub fn field_bytes<'a>(&self, index: usize, body: &'a [u8]) -> Option<&'a [u8]> {

@@ -258,9 +258,7 @@ fn units_and_columns_of_a_text_log_are_bounded() {
     for (len, is_kept) in [(64, true), (65, false)] {
         let mut units = Units::default();
         let label = "m".repeat(len);
-        units.add_values("UNIT", |name| {
-            Some(if name == "Id" { "110".into() } else { label.clone() })
-        });
+        units.add("UNIT", |name| Some(if name == "Id" { "110".into() } else { label.clone() }));
         assert_eq!(units.labels.len(), usize::from(is_kept), "{len}");
     }
     for (columns, is_layout) in [(255, true), (256, false)] {

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::field::Value;
-use super::layout::{Layout, log_text};
+use super::layout::Layout;
 
 /// The id of the unit that marks the instance field.
 const INSTANCE: char = '#';
@@ -35,19 +34,9 @@ impl Units {
         self.multipliers.iter().map(bits).eq(other.multipliers.iter().map(bits))
     }
 
-    /// Takes in a binary record of any type; the type about whose fields it said something new.
-    pub fn add(&mut self, layout: &Layout, body: &[u8]) -> Option<u8> {
-        self.add_values(&layout.name, |name| match layout.named(name, body)? {
-            Value::Integer(number) => Some(number.to_string()),
-            Value::Unsigned(number) => Some(number.to_string()),
-            Value::Float(number) => Some(number.to_string()),
-            Value::Text(bytes) => Some(log_text(bytes)),
-            Value::Array(_) => None,
-        })
-    }
-
-    /// The same for a record whose values `value` gives as text, by the names of the columns.
-    pub fn add_values(&mut self, name: &str, value: impl Fn(&str) -> Option<String>) -> Option<u8> {
+    /// Takes in a record of any type. `value` gives its values as text by the names of the columns. Returns the type about whose
+    /// fields the record says something new.
+    pub fn add(&mut self, name: &str, value: impl Fn(&str) -> Option<String>) -> Option<u8> {
         let id = || Some(char::from(value("Id")?.trim().parse::<u8>().ok()?));
         match name {
             "UNIT" => {

@@ -1,21 +1,10 @@
-//! A record of a dataflash log, binary or text.
+//! A record, binary or text: its fields as numbers and as texts.
 
-use mavwire_core::log::dataflash::text::{self, Delimiter, decode_line, nth_value};
-use mavwire_core::log::dataflash::{FieldKind, Layout, TimeUnit, Units};
-use mavwire_core::pyfloat;
-
-/// Where a record is.
-#[derive(Debug, Clone, Copy)]
-pub struct Entry {
-    /// The record starts here.
-    pub offset: u64,
-    /// Index of its layout.
-    pub layout: usize,
-    /// Bytes of the record, or of the line.
-    pub len: usize,
-    /// The next record is at or behind this offset.
-    pub next: u64,
-}
+use super::field::FieldKind;
+use super::layout::{Layout, TimeUnit};
+use super::text::{self, Delimiter, decode_line, nth_value};
+use super::units::Units;
+use crate::pyfloat;
 
 /// The fields of a record, by their indices.
 #[derive(Debug, Clone, Copy)]
@@ -69,11 +58,8 @@ impl<'a> Record<'a> {
     }
 
     /// Adds the record to the units, if it describes some.
-    pub(crate) fn tell_units(&self, units: &mut Units) -> Option<u8> {
-        if self.delimiter.is_none() {
-            return units.add(self.layout, self.bytes);
-        }
-        let text = |name: &str| self.stored(self.layout.field_index(name)?).map(decode_line);
-        units.add_values(&self.layout.name, text)
+    pub fn tell_units(&self, units: &mut Units) -> Option<u8> {
+        let text = |name: &str| self.text(self.layout.field_index(name)?);
+        units.add(&self.layout.name, text)
     }
 }
