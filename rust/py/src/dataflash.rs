@@ -3,9 +3,9 @@
 pub(crate) mod clock;
 pub(crate) mod message;
 mod message_methods;
+mod names;
 pub(crate) mod reader;
 mod render;
 pub(crate) mod shape;
-mod shape_methods;
 mod state;
 mod value;

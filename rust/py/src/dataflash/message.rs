@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString};
 
 use super::clock::Seconds;
-use super::shape::Names;
+use super::names::Names;
 use super::value;
 use crate::sync::lock::Lock;
 use mavwire_core::frame::FrameBytes;

@@ -1,66 +1,41 @@
-//! A record type as messages need it: its layout, and its names as interned Python strings.
+//! `DataflashShape`: the record type of a `DFFormat`.
 
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::Layout;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyType};
 
-/// A layout and its names.
-pub(crate) struct Names {
-    pub(crate) layout: Arc<Layout>,
-    pub(crate) name: Py<PyString>,
-    /// Of the fields that attribute access finds; `None` where the class has an attribute of that name.
-    fields: Vec<Option<Py<PyString>>>,
-    /// Field name -> index, of the same fields.
-    index: Py<PyDict>,
-    /// `Z` fields hold any bytes: those of the type FILE.
-    pub(crate) raw_bytes: bool,
-}
+use super::message::DFMessage;
+use super::names::Names;
+use crate::python::error::Result;
+use crate::python::lists::list;
 
-impl Names {
-    /// `class` is that of the messages, whose attributes hide fields.
-    pub(crate) fn new(class: &Bound<'_, PyType>, layout: Arc<Layout>) -> PyResult<Self> {
-        let py = class.py();
-        let index = PyDict::new(py);
-        let mut fields = Vec::new();
-        for (number, field) in layout.fields.iter().enumerate() {
-            let name = PyString::intern(py, &field.name);
-            if class.getattr_opt(&name)?.is_some() {
-                fields.push(None);
-                continue;
-            }
-            index.set_item(&name, number)?;
-            fields.push(Some(name.unbind()));
-        }
-        let name = PyString::intern(py, &layout.name).unbind();
-        let raw_bytes = layout.name == "FILE";
-        Ok(Self { layout, name, fields, index: index.unbind(), raw_bytes })
-    }
-
-    /// Index of the field of this name, the last if there are several.
-    #[inline]
-    pub(crate) fn field(&self, name: &Bound<'_, PyString>) -> PyResult<Option<usize>> {
-        let is_it = |field: &Option<Py<PyString>>| field.as_ref().is_some_and(|own| own.is(name));
-        if let Some(index) = self.fields.iter().rposition(is_it) {
-            return Ok(Some(index));
-        }
-        // Interned strings differ only if their objects do, but not every name is interned.
-        match self.index.bind(name.py()).get_item(name)? {
-            Some(index) => Ok(Some(index.extract()?)),
-            None => Ok(None),
-        }
-    }
-}
-
-/// What a `DFFormat` keeps for its messages.
+/// The record type of a `DFFormat`.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct DataflashShape {
-    pub(crate) names: Arc<Names>,
+    names: Arc<Names>,
 }
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.
 pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
     let shape = format.getattr(intern!(format.py(), "_shape"))?;
     Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
+}
+
+#[pymethods]
+impl DataflashShape {
+    /// A record type by the parts of its FMT record.
+    ///
+    /// `Exception` for an unknown format character, `ValueError` for fields that do not fit into a record.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        type_id: u8,
+        name: String,
+        format: String,
+        #[pyo3(from_py_with = list)] columns: Vec<String>,
+    ) -> Result<Self> {
+        let layout = Layout::new(type_id, 0, name, format, columns)?;
+        Ok(Self { names: Arc::new(Names::new(&py.get_type::<DFMessage>(), Arc::new(layout))?) })
+    }
 }

@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyString};
 
 use super::clock::MicrosClock;
 use super::message::DFMessage;
-use super::shape::Names;
+use super::names::Names;
 use mavwire_core::frame::FrameBytes;
 use mavwire_core::log::dataflash::Record;
 use mavwire_io::dataflash_log::{DataflashLog, Step};
