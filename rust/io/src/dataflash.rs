@@ -1,7 +1,6 @@
-//! A binary dataflash log file: what it describes, and its records one after the other.
+//! A binary dataflash log file: its layouts, and its records one after the other.
 //!
-//! The file is read through a window and never mapped or held. What lies behind the length that it had when it was
-//! opened is not looked at.
+//! The file is read through a window and never mapped or held. Bytes that were added after it was opened do not count.
 
 use std::io;
 use std::path::Path;
@@ -20,10 +19,10 @@ pub struct DataflashFile {
 }
 
 impl DataflashFile {
-    /// Opens a file and reads what it describes.
+    /// Opens a file and reads its FMT records.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn open(path: &Path) -> io::Result<Self> {
         Self::in_chunks(path, CHUNK)
     }
@@ -31,7 +30,7 @@ impl DataflashFile {
     /// The same with another number of bytes read at a time, as for [`FileWindow::in_chunks`].
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
         let stretch = chunk.max(FMT_LAYOUT_LEN);
         let mut window = FileWindow::in_chunks(path, stretch)?;
@@ -86,11 +85,11 @@ impl DataflashFile {
         self.window.buffered(offset).get(..len).unwrap_or_default()
     }
 
-    /// Passes over records of layouts that are not `wanted`, `most` of them at most, as far as that is quickly done; returns
-    /// where it stopped and how many it passed.
+    /// Passes at most `most` records of layouts that are not `wanted`, as far as a quick way exists. Returns the offset behind
+    /// them, and their number.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     #[inline]
     pub fn pass(&mut self, offset: u64, wanted: &[bool], most: u32) -> io::Result<(u64, u32)> {
         let (bytes, _) = bytes_at(&mut self.window, self.len, offset)?;

@@ -1,4 +1,4 @@
-//! What a dataflash log holds, added up record by record.
+//! The contents of a dataflash log, added up record by record.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -22,20 +22,20 @@ pub struct Entry {
     pub next: u64,
 }
 
-/// What a log holds.
+/// The contents of a log.
 #[derive(Debug, Clone)]
 pub struct Contents {
     /// Records of each layout.
     pub counts: Vec<u64>,
-    /// Where the first record of each layout starts.
+    /// Offset of the first record of each layout.
     pub first: Vec<Option<u64>>,
-    /// Where the first record of each instance starts, in the order of the log.
+    /// Offset of the first record of each instance, in the order of the log.
     pub instances: Vec<u64>,
-    /// Where the last record starts. In a text log it is the last one with a time, if there is one.
+    /// Offset of the last record. In a text log it is the last one with a time, if there is one.
     pub last: Option<u64>,
     /// Bytes that belong to no record.
     pub junk: u64,
-    /// What the fields are measured in.
+    /// The units of the fields.
     pub units: Units,
 }
 

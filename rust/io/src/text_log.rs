@@ -13,7 +13,7 @@ use mavwire_core::log::dataflash::text::{
 use crate::log_contents::Entry;
 use crate::window::{CHUNK, FileWindow};
 
-/// Bytes at the start that show how values are separated.
+/// Bytes at the start that show the delimiter.
 const PROBE: usize = 8000;
 
 /// Different names that are counted at most, and the characters that tell them apart.
@@ -35,36 +35,35 @@ pub struct TextLogFile {
 
 /// A line of the log.
 struct Line {
-    /// Where it starts.
+    /// The line starts here.
     offset: u64,
-    /// Where the next one starts.
+    /// The next line starts here.
     next: u64,
-    /// All of it can be read, and a line feed ends it: without that its last value may be cut off.
+    /// A line feed ends it. Otherwise its last value may be cut off.
     is_whole: bool,
     /// Bytes without the line's end; 0 of a line that is too long.
     len: usize,
 }
 
-/// What a line is counted as: its first characters up to the comma.
+/// The key that a line counts for: its first characters up to the comma.
 fn key_of(line: &[u8]) -> String {
     let key = &line[..line.len().min(KEY_LEN)];
     decode_line(&key[..memchr::memchr(b',', key).unwrap_or(key.len())])
 }
 
 impl TextLogFile {
-    /// Opens a file and reads what it describes.
+    /// Opens a file and reads its FMT lines.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn open(path: &Path) -> io::Result<Self> {
         Self::in_chunks(path, CHUNK)
     }
 
-    /// The same with another number of bytes read at a time, as for [`FileWindow::in_chunks`]; lines that are longer are
-    /// not looked at either.
+    /// The same with another number of bytes read at a time, as for [`FileWindow::in_chunks`]. Longer lines are passed over.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
         let mut window = FileWindow::in_chunks(path, chunk)?;
         let len = window.size()?;
@@ -103,7 +102,7 @@ impl TextLogFile {
         self.len
     }
 
-    /// What stands between values.
+    /// The text between values.
     pub fn delimiter(&self) -> Delimiter {
         self.definitions.delimiter()
     }

@@ -1,4 +1,4 @@
-//! What the fields are measured in, and which of them tells instances apart: UNIT, MULT and FMTU records.
+//! Units of the fields, and the field that tells instances apart: UNIT, MULT and FMTU records.
 
 use std::collections::BTreeMap;
 
