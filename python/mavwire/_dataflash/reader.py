@@ -225,7 +225,7 @@ class DFReader(_native.DataflashReader):
                 gps = [one for one in newest if "GPSTime" in one.get_fieldnames()]
                 self.init_clock_px4(self.messages["TIME"], m if m in gps else gps[0])
             elif told_at is not None and unit != "rates" and not self._zero_time_base:
-                self.clock.find_time_base(m, first)
+                self.clock.find_time_base(m, int(first) if first.is_integer() else first)
         if self.clock is None:
             self.init_clock_gps_interpolated(DFReaderClock_gps_interpolated())
         self._rewind(keep_messages=True)
