@@ -607,7 +607,10 @@ def test_an_open_file_is_no_list_of_logs(flight):
 @pytest.mark.parametrize(
     ("function", "names"),
     [
-        (mavwire.read, "path types systems fields start end units enums invalid unknown wide dialect"),
+        (
+            mavwire.read,
+            "path types systems fields start end units enums invalid unknown wide dialect",
+        ),
         (mavwire.scan_polars, "paths message systems start end units enums invalid dialect"),
         (dataflash.DataflashLog.messages, "self types systems start end"),
     ],
@@ -617,9 +620,7 @@ def test_arguments_of_a_query_are_in_the_signature(function, names):
 
 
 def test_an_unknown_argument_is_named_beside_the_known_ones(flight):
-    known = (
-        "it takes path, types, systems, fields, start, end, units, enums, invalid, unknown, wide, dialect"
-    )
+    known = "it takes path, types, systems, fields, start, end, units, enums, invalid, unknown, wide, dialect"
     with pytest.raises(TypeError, match=f"has no argument 'unit'; did you mean 'units'.; {known}"):
         mavwire.read(flight, unit="si")
     with pytest.raises(TypeError, match=r"messages\(\) has no argument 'fields'"):
