@@ -148,11 +148,11 @@ class SerialPort(Client):
             self.sync._lost(self.sync.port)
 
     def try_again(self) -> None:
+        opening = self.sync._opening
+        if self.is_there() or monotonic() < self.sync._next_reset or opening.locked():
+            return
         with suppress(RuntimeError):  # there is no thread to be had
-            self.sync._opening.start(start_new_thread, self._is_due, self._open)
-
-    def _is_due(self) -> bool:
-        return not self.is_there() and monotonic() >= self.sync._next_reset
+            start_new_thread(opening.run, (self._open,))
 
     def _open(self) -> None:
         self.sync._reopen(only_when_due=True)

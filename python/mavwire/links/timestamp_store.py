@@ -152,8 +152,12 @@ def _locked(fd: int, path: str, patience: float) -> Iterator[None]:
             time.sleep(LOCK_INTERVAL)
         yield
     finally:
-        # A process that was forked meanwhile may have a copy of `fd`.
-        fcntl.flock(fd, fcntl.LOCK_UN)
+        # A process that was forked meanwhile may have a copy of `fd`. There the generator ends when it is closed.
+        try:
+            fcntl.flock(fd, fcntl.LOCK_UN)
+        except OSError as error:
+            if error.errno != errno.EBADF:
+                raise
 
 
 def _packed(timestamp: int) -> bytes:

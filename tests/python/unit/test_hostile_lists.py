@@ -163,7 +163,7 @@ def test_tables_and_names_of_columns(table: Any) -> None:
 
 def test_logs_to_merge(log: Path, dialect: Any, tmp_path: Path) -> None:
     # A path that is not there: what is opened meanwhile would be a million files.
-    refuses(lambda paths: _native.LogRewrite.merge(paths, dialect, tmp_path / "out"), "/no/log")
+    refuses(lambda paths: _native.LogRewrite(paths, dialect, tmp_path / "out"), "/no/log")
 
 
 def test_shapes_and_values_of_dataflash_records() -> None:

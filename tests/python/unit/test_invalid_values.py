@@ -251,7 +251,9 @@ def test_maps_leave_them_out(tmp_path: Path) -> None:
 
 def test_the_inspector_says_that_there_is_no_value() -> None:
     mav = mavlink.MAVLink(None)
-    bridge: Any = SimpleNamespace(_native_dialect=lambda: mav._dialect, dialect=mavlink)
+    bridge: Any = SimpleNamespace(
+        _native_dialect=lambda: mav._dialect, dialect=mavlink, event_definitions=None
+    )
     view = View(bridge)
     shown = []
     for known in (True, False):

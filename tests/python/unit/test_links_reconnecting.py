@@ -558,7 +558,7 @@ def test_who_lets_go_of_a_connection_has_closed_it(server):
     """Whatever a signal handler raises next."""
     link, peer = server.link()
     port = link.port
-    assert link._writer.end(port, link, None)
+    assert link._end_connection(port, None)
     assert (port.fileno(), link.port) == (-1, None)
     peer.close()
     link.close()

@@ -164,7 +164,7 @@ def test_a_log_that_grows_at_its_end(tmp_path):
 
 
 class TestInstances:
-    """Copies of the newest message of each instance are renewed in place, which nobody may see."""
+    """The newest message of each instance."""
 
     @pytest.fixture
     def path(self, tmp_path):
@@ -208,6 +208,7 @@ class TestInstances:
         watched = weakref.ref(log.messages[key])
         for _ in range(2):
             log.recv_msg()
+        assert log.messages[key] is not watched()
         assert watched() is None
 
     @pytest.mark.parametrize("key", ["BATTERY_STATUS", "BATTERY_STATUS[0]"])
