@@ -185,16 +185,16 @@ def measures() -> dict[str, int]:
 
 
 LIMITS = {
-    "lines of rust/schema": 2_650,
-    "lines of rust/core": 9_100,
-    "lines of rust/columns": 7_050,
-    "lines of rust/io": 6_900,
-    "lines of rust/py": 15_700,
-    "lines of Rust without tests": 41_300,
-    "lines of Python without stubs": 47_060,
-    "files over 400 lines": 9,
-    "functions over 40 lines": 28,
-    "comments against the style": 161,
+    "lines of rust/schema": 2_770,
+    "lines of rust/core": 8_780,
+    "lines of rust/columns": 7_140,
+    "lines of rust/io": 6_830,
+    "lines of rust/py": 13_310,
+    "lines of Rust without tests": 38_820,
+    "lines of Python without stubs": 46_270,
+    "files over 400 lines": 6,
+    "functions over 40 lines": 26,
+    "comments against the style": 25,
     "modules of the extension in cycles": 0,
     "Python modules in cycles": 0,
 }
