@@ -70,8 +70,9 @@ def streams(first: int, count: int) -> Iterator[bytes]:
 
 def tables(package: str, short: bool) -> dict[str, Any]:
     """Bytes kept for each further key that a peer makes up, once the tables are full."""
+    # A link lists each entry that its reader has not seen once more, so its tables are full after two rounds.
     # pymavlink's have no end: it need not be waited for.
-    full, further = (70_000, 30_000) if package == "mavwire" else (2_000, 10_000)
+    full, further = (140_000, 30_000) if package == "mavwire" else (2_000, 10_000)
     found: dict[str, Any] = {}
     for name, made in (
         ("names", names),
