@@ -6,7 +6,6 @@ The vehicle names its general file in COMPONENT_METADATA. That file names the ot
 from __future__ import annotations
 
 import json
-import lzma
 import time
 from enum import IntEnum
 from typing import Any
@@ -35,6 +34,8 @@ class Kind(IntEnum):
 def decompressed(data: bytes) -> bytes:
     """The content of a metadata file, plain or compressed with xz. ValueError."""
     if data.startswith(_XZ_MAGIC):
+        import lzma  # which few programs need
+
         reader = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_XZ_MEMORY)
         try:
             data = reader.decompress(data, MAX_BYTES + 1)

@@ -155,7 +155,7 @@ def _local_cluster(workers: int | None) -> Any:
 def _interrupts_put_off() -> Iterator[None]:
     """Ctrl-C goes to all processes of a terminal, and so does a hangup. Those that are made here,
     and by threads that are made here, inherit that it is blocked: this one ends them in good order,
-    without a traceback from each. What comes meanwhile is heard by another thread, or afterwards.
+    without a traceback from each. Another thread receives signals that arrive meanwhile, or this one does afterwards.
     """
     if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield

@@ -118,8 +118,8 @@ class Target:
     ) -> ReceivedMessage | None:
         """The newest message of `type` from a system (the target) or one of its components.
 
-        None if there is none, or none that is at most `max_age` seconds old. Messages that other threads
-        receive count too.
+        None for a type that has not been received, or whose newest message is older than `max_age` seconds.
+        Messages that other threads receive count too.
         """
         system = self.sysid_state.get(self.sysid if sysid is None else sysid)
         if system is None:

@@ -83,7 +83,7 @@ impl<W: Write + Send> Output<W> {
     /// Writes the batches of a stretch of the log.
     ///
     /// # Errors
-    /// What the writers say; [`Error::TooManyFiles`].
+    /// Errors of the writers; [`Error::TooManyFiles`].
     pub fn write(&mut self, batches: &[Batch]) -> Result<(), Error> {
         match self {
             Self::Tables(tables) => tables.write(batches),

@@ -78,7 +78,7 @@ def of_set(place: str) -> Facts:
 
 
 def definition_files(folder: Path) -> list[Path]:
-    """The definition files of a folder, or of a checkout. FileNotFoundError where there are none."""
+    """The definition files of a folder, or of a checkout. FileNotFoundError for a folder without any."""
     for below in ("message_definitions/v1.0", "v1.0", "."):
         if files := sorted((folder / below).glob("*.xml")):
             return files

@@ -28,7 +28,7 @@ Files = dict[str, tuple[bytes, date | None]]
 
 def fetch(source: str) -> tuple[dict[str, str], date | None]:
     """The texts of a folder, file, archive or https address by base name, and the day of the newest file. CommandError,
-    OSError or DefinitionError says why there are none.
+    OSError or DefinitionError for a source that cannot be read.
     """
     if os.path.isdir(source):
         paths = definition_files(Path(source))

@@ -168,7 +168,7 @@ fn value(array: &Float64Array, row: usize) -> f64 {
     if array.is_valid(row) { array.value(row) } else { f64::NAN }
 }
 
-/// Whether these are degrees of a place; 0, 0 means that there is none.
+/// Whether these are degrees of a place. Senders without a position send 0, 0.
 fn is_place(lat: f64, lon: f64) -> bool {
     lat.abs() <= 90.0 && lon.abs() <= 180.0 && (lat != 0.0 || lon != 0.0)
 }
