@@ -144,7 +144,7 @@ def test_signing_keys_of_other_lengths_are_refused(key):
 
 def test_tables_keyed_by_the_peer_are_capped():
     """R68."""
-    of_system, shared, params = 512, 65_536, 16_384
+    of_system, shared, params = 512, 4_096, 16_384
     link = Capture()
     for i in range(of_system + shared + 10):
         name = f"n{i}".encode()

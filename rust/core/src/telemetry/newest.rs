@@ -150,7 +150,7 @@ impl Room {
     /// Entries of each system.
     pub const OWN: usize = 512;
     /// Entries beyond those, of all systems of a link together.
-    pub const SHARED: usize = 65_536;
+    pub const SHARED: usize = 4096;
     /// Parameters of a component.
     pub const PARAMS: usize = 16_384;
     /// Parameters of all components together; those of the target are kept beyond it.
