@@ -7,11 +7,11 @@ import lzma
 import zlib
 from collections.abc import Mapping
 
+from mavwire.component_metadata import Kind
 from mavwire.dialects.v20 import upstream
 
 GENERAL_PATH = "/etc/extras/component_general.json.xz"
 EVENTS_PATH = "/etc/extras/all_events.json.xz"
-GENERAL_TYPE, EVENTS_TYPE = 0, 4
 COMPONENT = 1
 Phrases = Mapping[str, tuple[int, str]]
 
@@ -43,7 +43,7 @@ def files(phrases: Phrases) -> dict[str, bytes]:
     }
     component = {"namespace": "px4", "event_groups": {"default": {"events": events}}}
     described = {"version": 2, "components": {str(COMPONENT): component}}
-    offers = [{"type": EVENTS_TYPE, "uri": f"mftp://{EVENTS_PATH}"}]
+    offers = [{"type": Kind.EVENTS, "uri": f"mftp://{EVENTS_PATH}"}]
     general = {"version": 1, "metadataTypes": offers}
     return {GENERAL_PATH: _compressed(general), EVENTS_PATH: _compressed(described)}
 
