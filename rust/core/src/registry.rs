@@ -3,7 +3,7 @@
 //! Ids are 24 bits wide but cluster: a directory of pages of 256 ids costs two loads per lookup and a few kilobytes per
 //! dialect. Page 0 of the table is the empty page that all unused directory entries point at.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 use mavwire_schema::{Dialect, Message, Reason, SchemaError, with_free_name};
@@ -96,7 +96,7 @@ impl Registry {
     }
 
     /// This dialect with what another one defines beyond it. An id that both define keeps its message. The other layouts of
-    /// such ids go beside it.
+    /// such ids go beside it. An enum has the entries of both.
     ///
     /// # Errors
     /// There are too many messages.
@@ -118,9 +118,14 @@ impl Registry {
             return Err(SchemaError::new(&other.dialect.name, reason));
         }
         dialect.others = others;
-        let known: HashSet<_> = self.dialect.enums.iter().map(|one| &one.name).collect();
-        let enums = other.dialect.enums.iter().filter(|one| !known.contains(&one.name));
-        dialect.enums.extend(enums.cloned());
+        let known: HashMap<_, _> =
+            self.dialect.enums.iter().enumerate().map(|(index, one)| (&one.name, index)).collect();
+        for definition in &other.dialect.enums {
+            match known.get(&definition.name) {
+                Some(&index) => dialect.enums[index].add(&definition.entries),
+                None => dialect.enums.push(definition.clone()),
+            }
+        }
         Ok(Self::new(dialect))
     }
 
@@ -169,7 +174,7 @@ fn page_of(msgid: u32) -> usize {
 mod tests {
     use super::*;
     use crate::testing::{message, registry};
-    use mavwire_schema::WireVersion;
+    use mavwire_schema::{Enum, EnumEntry, WireVersion};
 
     #[test]
     fn every_message_is_found_and_nothing_else() {
@@ -208,16 +213,26 @@ mod tests {
                 of.iter().map(|&(id, name, extra)| message(id, name, extra, &[], &[])).collect()
             };
             let (name, wire_version) = ("some".into(), WireVersion::V2);
+            let entries = messages.iter().map(|&(id, name, _)| EnumEntry {
+                name: name.into(),
+                value: id.into(),
+                ..EnumEntry::default()
+            });
+            let commands =
+                Enum { name: "CMD".into(), entries: entries.collect(), ..Enum::default() };
             let (messages, others) = (made(messages), made(others));
-            Registry::new(Dialect { name, wire_version, messages, others, enums: vec![] })
+            Registry::new(Dialect { name, wire_version, messages, others, enums: vec![commands] })
         };
         let first = dialect(&[(1, "A", 10)], &[(1, "A_CRC11", 11)]);
-        let second = dialect(&[(1, "A", 12), (2, "A", 20), (3, "C", 30)], &[(1, "OLD", 11)]);
+        let second = dialect(&[(3, "C", 30), (1, "B", 12), (2, "A", 20)], &[(1, "OLD", 11)]);
         let registry = first.merged(&second).expect("they are few");
         let own: Vec<_> = registry.own_messages().iter().map(|m| (m.id, &*m.name)).collect();
-        assert_eq!(own, [(1, "A"), (2, "A_CRC20"), (3, "C")]);
+        assert_eq!(own, [(1, "A"), (3, "C"), (2, "A_CRC20")]);
+        let commands = &registry.dialect().enums[0].entries;
+        let commands: Vec<_> = commands.iter().map(|one| (one.value, &*one.name)).collect();
+        assert_eq!(commands, [(1, "A"), (3, "C")]);
         let name = |extra| registry.other(1, extra).map(|e| &*registry.message(e.index).name);
-        assert_eq!([10, 11, 12].map(name), [None, Some("A_CRC11"), Some("A_CRC12")]);
+        assert_eq!([10, 11, 12].map(name), [None, Some("A_CRC11"), Some("B")]);
         assert_eq!(registry.lookup(1).map(|entry| entry.crc_extra), Some(10));
     }
 }

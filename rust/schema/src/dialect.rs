@@ -1,5 +1,7 @@
 //! A dialect put together from one or more files for one wire version: what core, links and Python work with.
 
+use std::collections::HashSet;
+
 use crate::definitions::{CommandParam, FieldType};
 
 /// Wire protocol a dialect is laid out for. Version 1 drops ids above 255 and extension fields.
@@ -38,6 +40,17 @@ pub struct Enum {
     pub description: String,
     /// Entries in ascending order of value.
     pub entries: Vec<EnumEntry>,
+}
+
+impl Enum {
+    /// Adds the entries whose name and value are free.
+    pub fn add(&mut self, entries: &[EnumEntry]) {
+        let names: HashSet<_> = self.entries.iter().map(|one| one.name.clone()).collect();
+        let values: HashSet<_> = self.entries.iter().map(|one| one.value).collect();
+        let is_free = |one: &&EnumEntry| !names.contains(&one.name) && !values.contains(&one.value);
+        self.entries.extend(entries.iter().filter(is_free).cloned());
+        self.entries.sort_by_key(|entry| entry.value);
+    }
 }
 
 /// An entry of a resolved enum.
