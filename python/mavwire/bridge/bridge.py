@@ -20,16 +20,14 @@ from .options import Endpoint, EndpointOptions, Recording, Settings, endpoint_op
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from types import ModuleType
     from typing import Any, Self
 
     from mavwire._native import BridgeCore
     from mavwire.events import EventDefinitions
+    from mavwire.logs.dialect import Dialects
 
     from .config import Config
     from .sinks import Sink
-
-    Dialect = str | os.PathLike[str] | ModuleType
 
 
 class Kind(NamedTuple):
@@ -76,11 +74,11 @@ class Bridge:
         dedup: float = 0.5,
         max_age: float = 60.0,
         sniffer_sysid: int = 0,
-        dialect: Dialect | list[Dialect] = UPSTREAM,
+        dialect: Dialects = UPSTREAM,
         source_system: int = 255,
         source_component: int = 190,
     ) -> None:
-        self.dialect: Any = _merged(dialect)
+        self.dialect: Any = _module(dialect)
         self._settings = Settings(dedup, max_age, sniffer_sysid)
         self._recording = (
             record if record is None or isinstance(record, Recording) else Recording(record)
@@ -329,15 +327,10 @@ def _core_class() -> type[BridgeCore]:
     return BridgeCore
 
 
-def _merged(dialect: Dialect | list[Dialect]) -> Any:
-    from mavwire.dialects import merged
+def _module(dialect: Dialects) -> Any:
     from mavwire.logs.dialect import dialect_module
 
     try:
-        if not isinstance(dialect, list):
-            return dialect_module(dialect)
-        if not dialect:
-            raise ValueError("name one at least")
-        return merged([dialect_module(one) for one in dialect])
+        return dialect_module(dialect)
     except ValueError as error:
         raise ConfigError(f"dialect: {error}", "dialect") from None

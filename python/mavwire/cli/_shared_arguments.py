@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
@@ -35,6 +36,14 @@ def _load_events(path: str) -> EventDefinitions:
         raise CommandError(f"--event-definitions {error}") from error
 
 
+class _Several(argparse.Action):
+    """The values of an option that may be repeated, in place of its default."""
+
+    def __call__(self, parser: Any, namespace: Any, value: Any, flag: Any = None) -> None:
+        before = getattr(namespace, self.dest)
+        setattr(namespace, self.dest, [value] if before is self.default else [*before, value])
+
+
 def _option(*flags: str, **options: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     return flags, options
 
@@ -58,7 +67,8 @@ _SHARED = {
         "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
     ),
     "any_dialect": _option(
-        "--dialect", default=UPSTREAM, help="dialect or XML file (default: %(default)s)"
+        "--dialect", default=UPSTREAM, action=_Several, metavar="NAME",
+        help="dialect or XML file, may be repeated: the first that knows an id names it (default: %(default)s)",
     ),
     "types": _option("--types", help="message types, separated by commas (default: all)"),
     "systems": _option("--systems", help="system ids, separated by commas (default: all)"),

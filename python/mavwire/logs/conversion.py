@@ -42,8 +42,8 @@ from .unknown import log_of_table, named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from types import ModuleType
 
+    from .dialect import Dialects
     from .sources import Source
 
 BATCH_ROWS = 65_536
@@ -71,7 +71,7 @@ def convert(
     compression: str | None = None,
     types: Types = None,
     csv_safe: bool = True,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     from_unknown: bool = False,
     progress: Callable[[str, float], object] | None = None,
     **query: Unpack[Query],
@@ -131,7 +131,7 @@ def prepare(
     format: str,
     compression: str | None,
     types: Types,
-    dialect: str | os.PathLike[str] | ModuleType,
+    dialect: Dialects,
     *,
     csv_safe: bool = True,
     logs: Iterable[str] = (),

@@ -9,11 +9,16 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    Dialect = str | os.PathLike[str] | ModuleType
+    Dialects = Dialect | list[Dialect]
 
-def portable(dialect: str | os.PathLike[str] | ModuleType) -> tuple[str, bool]:
+
+def portable(dialect: Dialects) -> tuple[Any, bool]:
     """A dialect as another process finds it: a name, and whether it is that of a module to import.
     TypeError, as of what cannot be pickled, for a module that was made at run time.
     """
+    if isinstance(dialect, list):
+        return [portable(one) for one in dialect], False
     if isinstance(dialect, os.PathLike):
         return os.path.abspath(dialect), False
     if isinstance(dialect, str):
@@ -23,28 +28,33 @@ def portable(dialect: str | os.PathLike[str] | ModuleType) -> tuple[str, bool]:
     return dialect.__name__, True
 
 
-def restored(name: str, is_module: bool) -> str | ModuleType:
+def restored(name: Any, is_module: bool) -> Any:
     """The dialect that `portable` gave."""
     from importlib import import_module
 
+    if isinstance(name, list):
+        return [restored(*one) for one in name]
     return import_module(name) if is_module else name
 
 
-def dialect_module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
-    """The module of a dialect, as `open_log` takes it. ValueError for any other argument; errors
-    of an XML file as of `load`.
+def dialect_module(dialect: Dialects) -> Any:
+    """The module of a dialect, as `open_log` takes it, or of several in a list: the first that knows
+    an id names it. ValueError for any other argument; errors of an XML file as of `load`.
     """
     if hasattr(dialect, "MAVLink"):
         return dialect
     from importlib import import_module
 
-    from mavwire.dialects import load, names
+    from mavwire.dialects import load, merged, names
 
+    if isinstance(dialect, list) and dialect:
+        return merged([dialect_module(one) for one in dialect])
     if isinstance(dialect, os.PathLike):
         return load(dialect)
     if not isinstance(dialect, str):
         raise ValueError(
-            f"a dialect is a name, the path of an XML file or a dialect module, not {dialect!r}"
+            "a dialect is a name, the path of an XML file, a dialect module or a list of these,"
+            f" not {dialect!r}"
         )
     if dialect.endswith(".xml") or os.sep in dialect:
         return load(dialect)

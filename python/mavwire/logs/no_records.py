@@ -7,14 +7,14 @@ from .telemetry import open_log
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import os
-    from types import ModuleType
+
+    from .dialect import Dialects
 
 EMPTY = "the log is empty: repeat the copy or the download"
 NO_RECORD = "the log ends within its first record: repeat the copy or the download"
 
 
-def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
+def lacking(path: str, dialect: Dialects) -> str:
     """Why a log has no record; empty for a log that has any. LogFormatError for a file that is not a log."""
     with open_log(path, dialect=dialect) as log:
         found = log.info()
@@ -24,7 +24,7 @@ def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
     return NO_RECORD if found.bytes else EMPTY
 
 
-def check_records(path: str, dialect: str | os.PathLike[str] | ModuleType) -> None:
+def check_records(path: str, dialect: Dialects) -> None:
     """Raise ValueError for a file without a record, which tells why there is none."""
     if said := lacking(path, dialect):
         raise ValueError(f"{said}: {path!r}")

@@ -26,10 +26,10 @@ from .unknown import warn_unknown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
-    from types import ModuleType
 
     from mavwire._native import FrameBatch
 
+    from .dialect import Dialects
     from .sources import Source
 
 BATCH_ROWS = 65_536
@@ -39,7 +39,7 @@ LOOKED_AT = 1000
 """Logs that are opened for the wanted fields before any is converted."""
 
 
-def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
+def native_dialect(dialect: Dialects) -> tuple[Any, Any]:
     """The module of a dialect and its native form."""
     from .dialect import dialect_module
 
@@ -69,7 +69,7 @@ def read(
     types: Types = None,
     *positional: Any,
     wide: bool = False,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     **query: Unpack[Query],
 ) -> dict[str, Table]:
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
@@ -191,7 +191,7 @@ def scan(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     types: Types = None,
     *positional: Any,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     batch_rows: int = BATCH_ROWS,
     **query: Unpack[Query],
 ) -> Batches:

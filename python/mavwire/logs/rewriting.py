@@ -27,7 +27,8 @@ from .targets import file_to_write
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from types import ModuleType
+
+    from .dialect import Dialects
 
 MOST_NORTH = 8.0
 MOST_EAST = 180.0
@@ -62,7 +63,7 @@ def cut(
     out: str | os.PathLike[str],
     types: Types = None,
     *positional: Any,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     progress: Callable[[int], object] | None = None,
     **query: Unpack[Records],
 ) -> Rewritten:
@@ -83,7 +84,7 @@ def repair(
     path: str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write all good records of a damaged log, which any reader then finds.
@@ -100,7 +101,7 @@ def anonymize(
     out: str | os.PathLike[str],
     *,
     shift: tuple[float, float] | None = None,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write a log without what tells who flew where; docs/columns.md lists what that is.
@@ -127,7 +128,7 @@ def merge(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the good records of several logs as one, in the order of time.
@@ -144,7 +145,7 @@ def merge(
 def _checked(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
-    dialect: str | os.PathLike[str] | ModuleType,
+    dialect: Dialects,
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
     inputs, out = logs_of(paths), file_to_write(out)

@@ -20,7 +20,8 @@ from .selection import Selection
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Iterator
-    from types import ModuleType
+
+    from .dialect import Dialects
 
 
 @takes(Values)
@@ -28,7 +29,7 @@ def scan_polars(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     message: str,
     *,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     **query: Unpack[Values],
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
@@ -58,7 +59,7 @@ class _Source:
         self,
         paths: list[str],
         message: str,
-        dialect: str | os.PathLike[str] | ModuleType,
+        dialect: Dialects,
         query: Values,
     ) -> None:
         with extra("data"):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from itertools import islice
-from types import ModuleType
 from typing import Any, Unpack
 
 from mavwire._native import LogKind, LogScan, identify
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from .dataflash import DataflashLog
+    from .dialect import Dialects
     from .summary import LogInfo
     from .table import Table
 
@@ -39,7 +39,7 @@ FOREIGN_PROBE = 16 * 1024 * 1024
 def open_log(
     path: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+    dialect: Dialects = UPSTREAM,
     resync: str = "rescan",
 ) -> TelemetryLog | DataflashLog:
     """Open a telemetry log (.tlog) or a dataflash log (.BIN, .log) for its messages and tables.
@@ -73,7 +73,7 @@ class TelemetryLog(Log):
         self,
         path: str | os.PathLike[str],
         *,
-        dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
+        dialect: Dialects = UPSTREAM,
         resync: str = "rescan",
     ) -> None:
         if resync not in ("skip", "rescan"):

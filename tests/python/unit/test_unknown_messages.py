@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import warnings
 from pathlib import Path
 
@@ -186,3 +187,44 @@ def test_a_later_dialect_decodes_the_table(
     assert table[0]["timestamp"].microsecond == 3
     assert cli.main(["convert", "--from-unknown", str(log), "-o", str(later)]) == 1
     assert f"{log}: " in capsys.readouterr().err
+
+
+def test_an_mcap_file_has_their_payloads(vendor: Path, tmp_path: Path) -> None:
+    from mcap.reader import make_reader
+
+    convert([vendor], tmp_path / "out", format="mcap", unknown="table")
+    with (tmp_path / "out" / "vendor.mcap").open("rb") as file:
+        rows = [
+            json.loads(message.data)
+            for _, channel, message in make_reader(file).iter_messages()
+            if channel.topic.endswith("mavwire.unknown")
+        ]
+    assert [row["payload"] for row in rows] == [f"{seq:02x}003c" for seq in range(3, 20)]
+    assert {(row["msgid"], row["crc_extra"]) for row in rows} == {(180, 5)}
+
+
+def test_a_users_definitions_go_beside_upstream(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Id 180 is CAMERA_FEEDBACK upstream, and another message in the user's definitions."""
+    dialect = tmp_path / "vendor.xml"
+    dialect.write_text(VENDOR)
+    mav, vendor = upstream.MAVLink(None, 1), dialects.load(dialect)
+    frames = []
+    for mav.seq in range(6):
+        theirs = vendor.MAVLink_vendor_state_message(mav.seq, 1, 60)
+        ours = upstream.MAVLink_camera_feedback_message(mav.seq, *range(12))
+        frames.append((ours, theirs)[mav.seq % 2].pack(mav))
+    log = write(tmp_path / "flight.tlog", *frames)
+    tables = mavwire.read(log, dialect=["upstream", dialect])
+    assert {name: len(table) for name, table in tables.items()} == {
+        "VENDOR_STATE": 3, "CAMERA_FEEDBACK": 3
+    }  # fmt: skip
+    argv = ["convert", str(log), "-o", str(tmp_path / "out"), "--dialect", "upstream"]
+    assert cli.main([*argv, "--dialect", str(dialect)]) == 0
+    assert capsys.readouterr().err == ""
+    assert (tmp_path / "out" / "VENDOR_STATE" / "flight.parquet").exists()
+    assert (
+        len(list(pickle.loads(pickle.dumps(mavwire.open_log(log, dialect=["upstream", dialect])))))
+        == 6
+    )
