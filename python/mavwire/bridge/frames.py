@@ -64,12 +64,12 @@ class FrameBatches:
 
         while True:
             fetching = self._fetching
-            # A forked child has no fetcher, whatever it was doing.
+            # A forked child has no fetcher, even if its parent was fetching.
             if fetching is None or not (fetching.done() or self._is_fetching()):
                 fetching, self._awaited = self._fetch(), None
                 self._fetching = fetching
             if not fetching.done():
-                # Who is cancelled here leaves what is fetched to whoever comes next.
+                # A task that is cancelled here leaves the fetched frames to the next one.
                 with suppress(Exception):  # which `result` raises
                     await asyncio.shield(self._in_loop(fetching))
             if self._fetching is not fetching:

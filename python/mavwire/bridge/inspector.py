@@ -76,7 +76,7 @@ class Inspector(WebServer):
         super().__init__(bridge, host, port, names)
 
     def answers_to(self, host: str) -> bool:
-        """By whatever name it is asked for, if the token is needed all the same."""
+        """With a token any host name will do: the name proves nothing more."""
         return bool(self.token) or super().answers_to(host)
 
     @property

@@ -41,7 +41,7 @@ class View:
 
     def hear(self, text: str) -> int:
         """What the page asks for, `{"open": [[system, component, message id], ...]}`, or how many texts it has
-        dealt with, `{"seen": number}`, which is returned. ValueError.
+        shown, `{"seen": number}`, which is returned. ValueError.
         """
         try:
             said = json.loads(text)

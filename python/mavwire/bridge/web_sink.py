@@ -1,7 +1,7 @@
 """The sink that others connect to: frames and messages over WebSocket.
 
 A path names what a reader wants: `/PREFIX/out` all frames as they are, in binary messages, and
-`/PREFIX/SYSTEM/COMPONENT/TYPE` messages as JSON, where `*` and what is left out stand for any. Those that wait together are
+`/PREFIX/SYSTEM/COMPONENT/TYPE` messages as JSON, where `*` and a missing part mean any. Those that wait together are
 one text, a list. A reader that is slower than the traffic gets the newest of each kind, and slows nobody.
 """
 
@@ -108,7 +108,7 @@ class _Reader:
 
 
 class WebSocketPublisher(WebServer):
-    """Where a sink's bytes go: to whoever is connected. OSError if the port is taken."""
+    """Sends a sink's bytes to all clients that are connected. OSError if the port is taken."""
 
     def __init__(
         self, bridge: Bridge, host: str, port: int, prefix: str, names: Iterable[str]

@@ -358,7 +358,7 @@ impl LogIndex {
     }
 
     /// Adds the records at the front of `bytes`, which stand at `offset` in the log, as long as there is nothing special
-    /// about them; returns the bytes dealt with.
+    /// about them; returns the bytes of these records.
     fn hop(&mut self, bytes: &[u8], offset: u64, registry: &Registry) -> usize {
         if self.steps.try_reserve(bytes.len() / SHORTEST + 1).is_err() {
             return 0;

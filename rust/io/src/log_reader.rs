@@ -1,7 +1,7 @@
 //! Reading a telemetry log record by record, with the outcome pymavlink's readers have, on damaged logs too.
 //!
-//! A record is a time stamp and a frame. On an intact log the reader looks at the frame where it stands. Whatever else
-//! there is goes through the link's parser in the portions that pymavlink reads, because what comes out as BAD_DATA
+//! A record is a time stamp and a frame. On an intact log the reader looks at the frame where it is. All other bytes
+//! go through the link's parser in the portions that pymavlink reads, because what comes out as BAD_DATA
 //! depends on them.
 
 use std::io;
@@ -66,7 +66,7 @@ pub struct LogReader {
 pub struct Peeked<'a> {
     /// Index of the message type.
     pub index: u16,
-    /// Bytes of the frame, and whatever follows it.
+    /// Bytes of the frame, and those behind it.
     pub stream: &'a [u8],
     /// Bytes of the frame.
     pub len: usize,

@@ -1,7 +1,7 @@
 //! Memory that was freed and that the allocator keeps.
 
 /// Gives freed memory back to the system. glibc has a heap for each thread, and keeps most of what is freed in one by another
-/// thread: whoever frees large spans again and again calls this now and then. Elsewhere nothing is done.
+/// thread. Code that frees large spans again and again calls this now and then. Elsewhere nothing is done.
 fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: it takes no pointer, and locks each heap while it looks at it.

@@ -1,7 +1,7 @@
 //! A file read through a moving window.
 //!
 //! Logs are not mapped into memory: a file that is cut short while it is mapped kills the process, and a copy through a
-//! buffer costs a few nanoseconds per message. Memory stays bounded whatever the size of the file.
+//! buffer costs a few nanoseconds per message. Memory does not grow with the size of the file.
 
 use std::fs::File;
 use std::io;

@@ -53,7 +53,7 @@ class StatusTable:
         self._bridge = bridge
         self._before: dict[str, Any] = {"uptime": 0.0, "links": [], "components": []}
         terminal = drawn_on(sys.stdout)  # which a guard would not let it redraw
-        on_terminal = is_terminal(terminal)  # whatever FORCE_COLOR says
+        on_terminal = is_terminal(terminal)  # FORCE_COLOR does not make it one
         width = None if on_terminal else NO_TERMINAL_WIDTH
         self._console = Console(file=terminal, force_terminal=on_terminal, width=width)
         self.is_live = on_terminal and not self._console.is_dumb_terminal

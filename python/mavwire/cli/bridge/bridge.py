@@ -133,7 +133,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
                 beside.append(stack.enter_context(server))
             for options in config.sinks:  # which the bridge closes, all of them together
                 beside.append(_sink(bridge, options))
-            try:  # whoever reads that it is announced may end it at once
+            try:  # a script that reads the announcement may end the bridge at once
                 tell(_announcement(bridge, beside))
                 _watch(bridge, warn, args)
             finally:

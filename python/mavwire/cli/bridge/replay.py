@@ -56,7 +56,7 @@ def main(args: Namespace) -> int:
         log = opened(args.log)
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
-            # A sniffer gets everything, whoever it was meant for, and what its own system sent where nobody heard it.
+            # A sniffer gets all frames, also those to other systems and those that its own system sent.
             bridge.add(out, sniffer=True, read_only=True, queue_bytes=QUEUE)
         bridge.start()
     with bridge:

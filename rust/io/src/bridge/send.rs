@@ -15,7 +15,7 @@ const MAX_GROUP_LEN: usize = 65_000;
 #[cfg(target_os = "linux")]
 const MAX_SEGMENTS: usize = 64;
 
-/// Memory for one call. Each header stands for datagrams of one length that lie side by side, the last of which may be
+/// Memory for one call. Each header describes datagrams of one length that lie side by side, the last of which may be
 /// shorter: the system takes them through its network stack as one (UDP segmentation offload) and cuts them apart at
 /// its end, which costs a fraction of sending them one by one.
 #[cfg(target_os = "linux")]

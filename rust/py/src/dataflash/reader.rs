@@ -37,7 +37,7 @@ pub(crate) struct DataflashReader {
     methods: OwnMethods,
 }
 
-/// Methods that native code stands for.
+/// Methods that native code does not call, unless a program replaced one.
 const QUICK_METHODS: [&str; 5] =
     ["recv_msg", "_parse_next", "_add_msg", "_set_time", "skip_to_type"];
 

@@ -9,7 +9,7 @@ use crate::link::{live_receive, receive};
 /// Appends to `messages` what `link` has received, `limit` messages at most, and says whether there may be more.
 ///
 /// An error is raised with the messages before it in the list. Where a read took everything the socket held, no other
-/// read is tried: whoever watches the descriptor is told about what comes next.
+/// read is tried: the event loop that watches the descriptor is told about the next bytes.
 #[pyfunction]
 pub(crate) fn receive_batch(
     link: &Bound<'_, LiveLink>,

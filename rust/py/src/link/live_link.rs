@@ -1,6 +1,6 @@
 //! `LiveLink`: a link over a socket, a serial port or a pipe. The classes of `mavwire.links` derive from it.
 //!
-//! Native code reads and waits as long as no program replaced a method that it stands for or the parser's, and no bytes
+//! Native code reads and waits as long as no program replaced a method of the link or the parser, and no bytes
 //! are recorded. Python does what is not simply data: the end of a stream, or a connection to accept. See
 //! [`crate::link::receive`].
 

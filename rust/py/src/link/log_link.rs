@@ -1,6 +1,6 @@
 //! `LogLink`: a telemetry log as a link. `mavutil.mavlogfile` and `mavmmaplog` derive from it.
 //!
-//! Native code reads the log as long as no program replaced a method that it stands for or the parser's, and nothing is
+//! Native code reads the log as long as no program replaced a method of the link or the parser, and nothing is
 //! recorded. See [`crate::link::receive`].
 
 use pyo3::prelude::*;
@@ -38,7 +38,7 @@ impl LogLink {
         }
     }
 
-    /// Goes on at the first of the records that begin at `offsets`, whatever was read before.
+    /// Goes on at the first of the records that begin at `offsets`, not at the place of reading.
     pub(crate) fn visit(slf: &Bound<'_, Self>, offsets: &[u64]) -> PyResult<()> {
         let mut state = slf.as_super().get().state();
         let state = &mut *state;

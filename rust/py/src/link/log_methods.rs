@@ -63,7 +63,7 @@ impl LogLink {
         Ok(slf.as_super().get().with_reader(|reader| Ok(reader.offset))?.unwrap_or(0))
     }
 
-    /// Continues at the record that begins at `offset`, whatever was read before.
+    /// Continues at the record that begins at `offset`, not at the place of reading.
     fn _seek(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
         Self::seek_to(slf, offset)
     }

@@ -7,7 +7,7 @@ use crate::python::error::Result;
 use crate::python::lists::collected;
 use mavwire_io::log_index::LogIndex;
 
-/// Read along with whatever is asked for, because they keep the mode and the parameters current.
+/// Always read beside the types that are asked for, because they keep the mode and the parameters current.
 const ALWAYS_READ: [&str; 2] = ["HEARTBEAT", "PARAM_VALUE"];
 
 /// Records of the wanted types, and how many of them were visited.

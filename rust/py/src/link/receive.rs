@@ -1,6 +1,6 @@
 //! Receiving: one way for logs, for live links and for links that a program reads itself.
 //!
-//! Native code reads as long as no program replaced one of the methods that it stands for. Python's `_recv_by_methods`
+//! Native code reads as long as no program replaced one of the methods that it skips. Python's `_recv_by_methods`
 //! does the rest: it calls these methods, and `post_message` for the same accounting.
 
 use std::time::{Duration, Instant};

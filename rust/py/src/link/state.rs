@@ -17,7 +17,7 @@ use crate::sync::lock::{Guard, Lock};
 use mavwire_io::log_reader::LogReader;
 use mavwire_io::progress::Progress;
 
-/// Methods of links that native code stands for.
+/// Methods of links that native code does not call, unless a program replaced one.
 pub(super) const QUICK_METHODS: [&str; 7] = [
     "recv",
     "recv_msg",
@@ -119,7 +119,7 @@ impl Link {
         Ok(Self::new(OwnMethods::of_class(&QUICK_METHODS, class)?))
     }
 
-    /// Native code may stand for the methods of the link.
+    /// Native code reads without calling the methods of the link.
     #[inline]
     pub(crate) fn is_quick(&self) -> bool {
         self.methods.are_intact()
