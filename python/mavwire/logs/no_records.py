@@ -7,7 +7,6 @@ from .telemetry import open_log
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-
     from .dialect import Dialects
 
 EMPTY = "the log is empty: repeat the copy or the download"

