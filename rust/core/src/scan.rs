@@ -9,12 +9,10 @@
 //!   frame whose checksum is right. A frame that travelled inside a damaged frame's payload can surface; signing rejects
 //!   such a frame.
 //!
-//! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, the `unknown`
-//! module for what re-scanning makes of message ids that the dialect does not define, and the `other` module for ids that the
-//! dialect defines in another way.
+//! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, and the `evidence`
+//! module for what re-scanning makes of messages that the dialect does not define, or defines in another way.
 
-mod other;
-mod unknown;
+mod evidence;
 mod window;
 
 use crate::frame::{
@@ -22,8 +20,7 @@ use crate::frame::{
 };
 use crate::registry::{Entry, Registry};
 use crate::x25;
-use other::{OtherDefinitions, fits};
-use unknown::UnknownIds;
+use evidence::{Claim, Evidence, fits};
 use window::Window;
 
 /// What follows a rejected frame.
@@ -87,8 +84,7 @@ pub struct Scanner {
     /// unknown ids.
     pub accept_unverified: bool,
     window: Window,
-    unknown: UnknownIds,
-    other: OtherDefinitions,
+    evidence: Evidence,
     /// The front directly follows a good frame or the start of the stream.
     in_sync: bool,
 }
@@ -101,8 +97,7 @@ impl Scanner {
             ignore_checksum: false,
             accept_unverified: false,
             window: Window::default(),
-            unknown: UnknownIds::default(),
-            other: OtherDefinitions::default(),
+            evidence: Evidence::default(),
             in_sync: true,
         }
     }
@@ -114,9 +109,13 @@ impl Scanner {
 
     /// Forgets the stream so far.
     pub fn reset(&mut self) {
+        self.evidence = Evidence::default();
+        self.restart();
+    }
+
+    /// Goes on elsewhere in the stream. The definitions that its senders use are still known.
+    pub fn restart(&mut self) {
         self.window = Window::default();
-        self.unknown = UnknownIds::default();
-        self.other = OtherDefinitions::default();
         self.in_sync = true;
     }
 
@@ -343,13 +342,13 @@ impl Scanner {
         let extra = x25::implied_extra(register, received);
         let other = extra.and_then(|extra| registry.other(msgid, extra));
         let other = other.filter(|&other| fits(&header, other));
-        let is_believed = match extra {
-            Some(extra) if entry.is_none() || other.is_some() || self.accept_unverified => {
-                self.unknown.believe(&header, extra, received, self.in_sync)
-            }
-            _ => entry.is_some() && self.other.believe(&header, extra, received),
+        let claim = match (entry, other) {
+            _ if self.accept_unverified => Claim::UnknownId,
+            (_, Some(_)) => Claim::KnownLayout,
+            (None, None) => Claim::UnknownId,
+            (Some(_), None) => Claim::OtherDefinition,
         };
-        if is_believed {
+        if self.evidence.believe(&header, claim, extra, received, self.in_sync) {
             return accept(other);
         }
         self.window.open(unread, at + 1, body_end);

@@ -34,10 +34,9 @@ pub enum AtOffset {
     End,
 }
 
-/// Finds records; remembers where it stands, and starts afresh wherever else it is asked to look.
+/// Finds records. It remembers where it stands, but may be asked to look anywhere.
 #[derive(Debug, Clone, Default)]
 pub struct RecordFinder {
-    framing: Framing,
     scanner: RecordScanner,
     offset: u64,
 }
@@ -45,12 +44,7 @@ pub struct RecordFinder {
 impl RecordFinder {
     /// A finder at the start of a log.
     pub fn new(framing: Framing) -> Self {
-        Self { framing, scanner: framing.scanner(), offset: 0 }
-    }
-
-    /// Stands at `offset`, and knows nothing of what is in front.
-    fn restart(&mut self, offset: u64) {
-        *self = Self { offset, ..Self::new(self.framing) };
+        Self { scanner: framing.scanner(), offset: 0 }
     }
 
     /// Looks at `offset`. Where it is not `End`, the next look should be `len` bytes further.
@@ -65,7 +59,8 @@ impl RecordFinder {
         registry: &Registry,
     ) -> io::Result<AtOffset> {
         if self.offset != offset {
-            self.restart(offset);
+            self.scanner.restart();
+            self.offset = offset;
         }
         let mut wanted = STAMP_LEN + MAX_FRAME_LEN;
         loop {

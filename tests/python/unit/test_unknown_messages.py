@@ -104,6 +104,13 @@ def test_info_says_which(vendor: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert json.loads(capsys.readouterr().out)["unknown"] == {KIND: 17}
 
 
+def test_messages_and_counts_are_the_same(vendor: Path) -> None:
+    log = mavwire.open_log(vendor)
+    unknown = [msg.get_type() for msg in log.messages("UNKNOWN")]
+    assert unknown == ["UNKNOWN_180"] * 17
+    assert len(list(log)) == log.info().count.messages == 37
+
+
 def test_a_text_names_the_most_frequent_kinds() -> None:
     from mavwire.logs.unknown import named, unknown_text
 
@@ -116,16 +123,16 @@ def test_a_text_names_the_most_frequent_kinds() -> None:
 
 
 def test_an_earlier_layout_is_a_message(tmp_path: Path) -> None:
-    """Id 149 was SETPOINT_6DOF until 2014, with CRC_EXTRA 15. It is LANDING_TARGET now."""
+    """Id 149 was SETPOINT_6DOF until 2014, with CRC_EXTRA 15. It is LANDING_TARGET now. The second frame proves it."""
     names = {name for name, msgid in upstream.MAVLink(None)._dialect.messages() if msgid == 149}
     assert names == {"LANDING_TARGET"}
     payload = bytes(range(25))
     path = write(tmp_path / "old.tlog", *(frame(149, 15, payload, seq) for seq in range(5)))
     ((name, table),) = mavwire.read(path).items()
-    assert (name, len(table)) == ("SETPOINT_6DOF", 5)
-    assert table["target_system"].tolist() == [24] * 5
+    assert (name, len(table)) == ("SETPOINT_6DOF", 4)
+    assert table["target_system"].tolist() == [24] * 4
     messages = list(mavwire.open_log(path))
-    assert [msg.get_type() for msg in messages] == ["SETPOINT_6DOF"] * 5
+    assert [msg.get_type() for msg in messages] == ["SETPOINT_6DOF"] * 4
     assert messages[0].target_system == 24
 
 
@@ -206,7 +213,9 @@ def test_an_mcap_file_has_their_payloads(vendor: Path, tmp_path: Path) -> None:
 def test_a_users_definitions_go_beside_upstream(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Id 180 is CAMERA_FEEDBACK upstream, and another message in the user's definitions."""
+    """Id 180 is CAMERA_FEEDBACK upstream, and another message in the user's definitions. A frame of the sender
+    is the evidence for the next ones.
+    """
     dialect = tmp_path / "vendor.xml"
     dialect.write_text(VENDOR)
     mav, vendor = upstream.MAVLink(None, 1), dialects.load(dialect)
@@ -218,13 +227,32 @@ def test_a_users_definitions_go_beside_upstream(
     log = write(tmp_path / "flight.tlog", *frames)
     tables = mavwire.read(log, dialect=["upstream", dialect])
     assert {name: len(table) for name, table in tables.items()} == {
-        "VENDOR_STATE": 3, "CAMERA_FEEDBACK": 3
+        "VENDOR_STATE": 2, "CAMERA_FEEDBACK": 3
     }  # fmt: skip
     argv = ["convert", str(log), "-o", str(tmp_path / "out"), "--dialect", "upstream"]
     assert cli.main([*argv, "--dialect", str(dialect)]) == 0
     assert capsys.readouterr().err == ""
     assert (tmp_path / "out" / "VENDOR_STATE" / "flight.parquet").exists()
-    assert (
-        len(list(pickle.loads(pickle.dumps(mavwire.open_log(log, dialect=["upstream", dialect])))))
-        == 6
+    copy = pickle.loads(pickle.dumps(mavwire.open_log(log, dialect=["upstream", dialect])))
+    assert len(list(copy)) == copy.info().count.messages == 5
+
+
+def test_commands_and_links_take_several_dialects(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    vendor = tmp_path / "vendor.xml"
+    vendor.write_text(VENDOR.replace('id="180"', 'id="54321"'))
+    theirs = dialects.load(vendor).MAVLink_vendor_state_message(7, 1, 60)
+    mav = upstream.MAVLink(None, 1)
+    log = write(
+        tmp_path / "flight.tlog",
+        theirs.pack(mav),
+        upstream.MAVLink_event_message(*[1] * 6, [1] * 40).pack(mav),
     )
+    options = ["--dialect", "upstream", "--dialect", str(vendor)]
+    for command, *more in ("info",), ("dump", "--format", "json"):
+        assert cli.main([command, *more, *options, str(log)]) == 0
+        out = capsys.readouterr()
+        assert "VENDOR_STATE" in out.out and "EVENT" in out.out and out.err == ""
+    assert cli.main(["info", *options, "--dialect", "ardupilotmga", str(log)]) == 1
+    assert "no dialect" in capsys.readouterr().err

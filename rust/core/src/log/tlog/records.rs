@@ -67,6 +67,12 @@ impl RecordScanner {
         Self { lead, scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
     }
 
+    /// Goes on elsewhere in the log. The definitions that its senders use are still known.
+    pub fn restart(&mut self) {
+        self.scanner.restart();
+        self.ahead = Ahead::AtFront;
+    }
+
     /// Bytes in front of each frame: 8, or 0 in a raw stream.
     pub fn lead(&self) -> usize {
         self.lead
