@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Write message_definitions/upstream/history.xml: layouts that message ids had before, told apart by CRC_EXTRA.
 
-    tools/import_history.py path/to/history.json
+    tools/import_history.py path/to/history.json path/to/mavlink path/to/ardupilot
 
 The input lists every definition in the history of both upstreams: id, name, crc_extra, first_commit, last_commit, files
-and fields as [name, type, array length or null, "ext" for an extension]. The output leaves out the layouts that
+and fields as [name, type, array length or null, "ext" for an extension]. Where two layouts have one id and CRC_EXTRA,
+that of the checkouts counts. The output leaves out the layouts that
 upstream.xml has, those of MAVLink 0.9, those of test dialects, mistakes that were mended within two weeks, and a
 message that is too long for a frame.
 """
@@ -22,6 +23,7 @@ from typing import Any
 import definition_sources
 from import_definitions import HEADER, write_element
 from mavwire import _native
+from mavwire.cli.dev._definition_facts import definition_files
 from union_definitions import UNION
 
 HISTORY = UNION.with_name("history.xml")
@@ -44,6 +46,22 @@ def is_kept(row: dict[str, Any], current: dict[int, int]) -> bool:
     is_current = current.get(row["id"]) == row["crc_extra"]
     is_too_long = payload_len(row) > MAX_PAYLOAD
     return not (is_old or is_test or is_current or is_too_long) and lived >= SHORTEST_LIFE
+
+
+def layouts_of_today(folders: list[Path]) -> dict[tuple[int, int], dict[str, Any]]:
+    """Name and fields of each layout in the files of some checkouts, by id and CRC_EXTRA."""
+    found = {}
+    for path in (path for one in folders for path in definition_files(one)):
+        text = path.read_text(encoding="utf-8-sig")
+        definitions, layouts = json.loads(_native.DefinitionFile(str(path), text).parse())
+        for message, layout in zip(definitions["messages"], layouts, strict=True):
+            fields = [
+                [one["name"], one["field_type"], one["array_length"] or None]
+                + ["ext"] * one["is_extension"]
+                for one in message["fields"]
+            ]
+            found[message["id"], layout["crc_extra"]] = {"name": message["name"], "fields": fields}
+    return found
 
 
 def payload_len(row: dict[str, Any]) -> int:
@@ -87,6 +105,7 @@ def main(argv: list[str] | None = None) -> int:
     """Command line entry point."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("history", type=Path, metavar="history.json")
+    parser.add_argument("folders", type=Path, nargs="*", metavar="DIR", help="checkouts")
     parser.add_argument("--output", type=Path, default=HISTORY, help="default: %(default)s")
     options = parser.parse_args(argv)
     union, layouts = json.loads(
@@ -96,7 +115,12 @@ def main(argv: list[str] | None = None) -> int:
         message["id"]: layout["crc_extra"]
         for message, layout in zip(union["messages"], layouts, strict=True)
     }
-    rows = [row for row in json.loads(options.history.read_bytes()) if is_kept(row, current)]
+    today = layouts_of_today(options.folders)
+    rows = [
+        row | today.get((row["id"], row["crc_extra"]), {})
+        for row in json.loads(options.history.read_bytes())
+        if is_kept(row, current)
+    ]
     rows.sort(key=lambda row: (row["id"], row["first_commit"], row["crc_extra"]))
     written = text(rows)
     _, layouts = json.loads(_native.DefinitionFile("history", written).parse())

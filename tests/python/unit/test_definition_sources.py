@@ -159,3 +159,17 @@ def test_the_history_is_written_with_fields_and_times(tmp_path: Path) -> None:
         "</messages>",
         "</mavlink>",
     ]
+
+
+@pytest.mark.skipif(
+    "MAVWIRE_UPSTREAM" not in os.environ, reason="needs both upstreams' definitions"
+)
+def test_every_layout_of_both_upstreams_is_known_with_its_fields() -> None:
+    """Also those of messages whose id another file uses too."""
+    folder = Path(os.environ["MAVWIRE_UPSTREAM"])
+    today = import_history.layouts_of_today([folder / name for name in UPSTREAMS.values()])
+    known = import_history.layouts_of_today([import_history.HISTORY.parent])
+    assert len(today) > 400
+    for key, layout in today.items():
+        fields = layout["fields"]
+        assert known[key] | {"fields": known[key]["fields"][: len(fields)]} == layout
