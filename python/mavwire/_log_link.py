@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 @contextmanager
 def definitions(
-    dialect: str | None = None,
+    dialect: str | list[str] | None = None,
     wire_protocol: str | None = None,
-    choosing: Callable[[str], AbstractContextManager[None]] = lambda name: nullcontext(),
+    choosing: Callable[[Any], AbstractContextManager[None]] = lambda name: nullcontext(),
 ) -> Iterator[None]:
     """The dialect and wire protocol of this run, in place of the process's own, which are back
     afterwards. None leaves either as it is. `choosing` surrounds loading a dialect.

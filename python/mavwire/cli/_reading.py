@@ -29,15 +29,16 @@ FOLLOW_EVERY = 0.05
 
 
 def definitions(
-    dialect: str | None = None, wire_protocol: str | None = None
+    dialect: str | list[str] | None = None, wire_protocol: str | None = None
 ) -> AbstractContextManager[None]:
     """The same as of `mavwire._log_link`; CommandError names a dialect that does not load."""
     return _log_link.definitions(dialect, wire_protocol, _naming_dialect)
 
 
 @contextmanager
-def _naming_dialect(name: str) -> Iterator[None]:
+def _naming_dialect(dialect: str | list[str]) -> Iterator[None]:
     """Turn errors of loading a dialect into a CommandError that names it."""
+    name = dialect if isinstance(dialect, str) else ", ".join(dialect)
     try:
         yield
     except FileNotFoundError as error:

@@ -48,6 +48,11 @@ def _option(*flags: str, **options: Any) -> tuple[tuple[str, ...], dict[str, Any
     return flags, options
 
 
+def _dialect(default: str) -> tuple[tuple[str, ...], dict[str, Any]]:
+    text = "dialect or XML file, may be repeated: the first that knows an id names it (default: %(default)s)"
+    return _option("--dialect", default=default, action=_Several, metavar="NAME", help=text)
+
+
 _SHARED = {
     "log": _option("log", metavar="LOG", help="telemetry or dataflash log"),
     "logs": _option("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log"),
@@ -63,13 +68,8 @@ _SHARED = {
     "planner": _option(
         "--planner", action="store_true", help="the planner's old log format (not supported)"
     ),
-    "dialect": _option(
-        "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
-    ),
-    "any_dialect": _option(
-        "--dialect", default=UPSTREAM, action=_Several, metavar="NAME",
-        help="dialect or XML file, may be repeated: the first that knows an id names it (default: %(default)s)",
-    ),
+    "dialect": _dialect("ardupilotmega"),
+    "any_dialect": _dialect(UPSTREAM),
     "types": _option("--types", help="message types, separated by commas (default: all)"),
     "systems": _option("--systems", help="system ids, separated by commas (default: all)"),
     "system": _option("--system", type=int, metavar="ID", help="default: the first autopilot"),

@@ -24,8 +24,8 @@ mavlink: Any = None
 # The wire protocol of a postponed module.
 _postponed: str = "1.0"
 current_dialect: str = DEFAULT_DIALECT
-# The module that `set_dialect` was given in place of a name, else None.
-_given: ModuleType | None = None
+# The module, or the list of dialects, that `set_dialect` was given in place of a name, else None.
+_given: Any = None
 # The link or log reader opened last; expressions read parameters from it.
 mavfile_global: Any = None
 # The link_id that the next `setup_signing` without an explicit one takes.
@@ -101,14 +101,19 @@ def set_wire_protocol(version: str | None) -> None:
         raise
 
 
-def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
+def set_dialect(dialect: Any) -> None:
     """Make `dialect` current: the name of a built-in one, of one in $MDEF, a path to XML, or a
-    dialect module, which is taken for both wire protocols.
+    dialect module, which is taken for both wire protocols. Of a list the first that knows an id names it.
 
     FileNotFoundError says what there is in place of an unknown dialect; TypeError for anything
-    else than a name, a path or a module.
+    else than a name, a path, a module or a list of these.
     """
     global mavlink, current_dialect, _given
+    if isinstance(dialect, list | tuple) and dialect:
+        merged: Any = import_module(DIALECTS).merged  # type: ignore[attr-defined]
+        mavlink = merged([_one_of_several(one) for one in dialect])
+        current_dialect, _given = mavlink.DIALECT, dialect
+        return
     if isinstance(dialect, ModuleType):
         mavlink, current_dialect = dialect, _dialect_name(dialect)
         _given = dialect
@@ -120,11 +125,23 @@ def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
     current_dialect, _given = name, None
 
 
-def choose_dialect(dialect: str) -> None:
+def _one_of_several(dialect: Any) -> ModuleType:
+    if isinstance(dialect, ModuleType):
+        return dialect
+    if not isinstance(dialect, str | os.PathLike):
+        raise _no_dialect_type(dialect)
+    return load_dialect(os.fspath(dialect), _chosen_version())
+
+
+def choose_dialect(dialect: str | list[str]) -> None:
     """As `set_dialect`, but the module of a built-in dialect is loaded when somebody asks for it."""
     global _postponed, current_dialect, _given
     version = _chosen_version()
-    if _module_name(dialect, version) in sys.modules or not _is_built_in(dialect):
+    if (
+        isinstance(dialect, list)
+        or _module_name(dialect, version) in sys.modules
+        or not _is_built_in(dialect)
+    ):
         set_dialect(dialect)
         return
     globals().pop("mavlink", None)
@@ -136,7 +153,8 @@ def renew_dialect() -> None:
     if is_postponed():
         choose_dialect(current_dialect)
     else:
-        set_dialect(_given if _given is not None and _given is mavlink else current_dialect)
+        is_kept = _given is mavlink or getattr(mavlink, "DIALECT", None) == current_dialect
+        set_dialect(_given if _given is not None and is_kept else current_dialect)
 
 
 def _chosen_version() -> str:
@@ -159,7 +177,7 @@ def _dialect_name(module: ModuleType) -> str:
 
 
 def _no_dialect_type(dialect: object) -> TypeError:
-    wanted = "a name, a path to XML or a dialect module"
+    wanted = "a name, a path to XML, a dialect module or a list of these"
     return TypeError(f"dialect must be {wanted}, not {dialect!r}")
 
 

@@ -20,6 +20,7 @@ from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.selection import DAY, YEAR
 from mavwire.logs.unknown import named, unknown_text
@@ -212,15 +213,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log; - for standard input"
     )
-    parser.add_argument("--dialect", help="dialect to read telemetry with (default: all)")
+    add_shared(parser, "any_dialect")
     parser.add_argument("--json", action="store_true", help="print one JSON object for each log")
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read."""
-    if args.dialect is not None:
-        with definitions(args.dialect):  # says once, before any log, that there is no such dialect
-            pass
+    with definitions(args.dialect):  # says once, before any log, that there is no such dialect
+        pass
     failed = 0
     for number, path in enumerate(args.logs):
         with standard_input() if path == "-" else nullcontext(path) as file:
@@ -236,9 +236,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
         tell(f"mavwire info: {name}: {in_words(error, path)}")
         return False
     called = STANDARD_INPUT if name == "-" else name
-    if not summary.info.messages and warn_without_records(
-        "info", path, args.dialect or UPSTREAM, called
-    ):
+    if not summary.info.messages and warn_without_records("info", path, args.dialect, called):
         return False
     if args.json:
         print(json.dumps(summary.as_dict()))
@@ -247,7 +245,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     return True
 
 
-def read(path: str, dialect: str | None = None, name: str | None = None) -> Summary:
+def read(path: str, dialect: str | list[str] = UPSTREAM, name: str | None = None) -> Summary:
     """Count a log, which is called `name`. OSError for a file that cannot be read, ValueError for a
     file that is not a log.
     """
@@ -257,7 +255,7 @@ def read(path: str, dialect: str | None = None, name: str | None = None) -> Summ
     check_usable(path, creating=False)
     if not os.path.isfile(path):
         raise ValueError("not a log file") if os.path.exists(path) else no_such_log(path)
-    log = open_log(path, dialect=dialect or UPSTREAM)
+    log = open_log(path, dialect=dialect)
     size = os.path.getsize(path)
     progress = Progress(path)
     began = time.perf_counter()
