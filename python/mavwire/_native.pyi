@@ -61,6 +61,7 @@ from mavwire._stubs.sending import (
 )
 
 __all__ = [
+    "FIELD_TYPES",
     "BridgeCore",
     "BridgeError",
     "BridgeTap",
@@ -144,6 +145,9 @@ _EntryRow: TypeAlias = tuple[int, str, str, bool, list[_ParamRow]]
 _EnumRow: TypeAlias = tuple[str, bool, str, list[_EntryRow]]
 
 __version__: Final[str]
+
+FIELD_TYPES: Final[dict[str, bool]]
+"""Each type of field by name, in the order of the `MAVLINK_TYPE_*` numbers: whether its values are floats."""
 """The package's version, out of Cargo.toml."""
 
 class DefinitionError(ValueError):

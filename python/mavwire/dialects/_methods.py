@@ -9,7 +9,7 @@ from __future__ import annotations
 import keyword
 
 from mavwire._hooks import warn_not_called
-from mavwire._native import Message, MessageInfo, build, send_values
+from mavwire._native import FIELD_TYPES, Message, MessageInfo, build, send_values
 from mavwire.dialects import _docs
 
 TYPE_CHECKING = False
@@ -30,7 +30,7 @@ def annotation(field_type: str, array_length: int) -> str:
     """The type annotation of a field's argument, as text."""
     if field_type == "char":
         return "bytes"
-    number = "float" if field_type in ("float", "double") else "int"
+    number = "float" if FIELD_TYPES[field_type] else "int"
     return f"Sequence[{number}]" if array_length else number
 
 

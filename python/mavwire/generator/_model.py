@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import InitVar, dataclass, field
 from typing import Protocol
 
-from mavwire._native import field_type
+from mavwire._native import FIELD_TYPES, field_type
 from mavwire.generator._errors import parse_errors
 
 _INTEGER_TEST_VALUES = {1: (5, 67, 0xFF), 2: (17235, 52, None), 4: (963497464, 52, None)}
@@ -59,7 +59,7 @@ class MAVField:
             return self.const_value
         if self.type == "char":
             return chr(ord("A") + (self.wire_offset + i) % 26)
-        if self.type in ("float", "double"):
+        if FIELD_TYPES[self.type]:
             return (17.0 if self.type == "float" else 123.0) + self.wire_offset * 7 + i
         start, step, mask = _INTEGER_TEST_VALUES[self.type_length]
         value = start + self.wire_offset * step + i

@@ -261,7 +261,7 @@ fn numbers(field: &Field, name: &str, dialect: &Dialect, options: &Options) -> C
 
 fn enum_of<'a>(field: &Field, dialect: &'a Dialect) -> Option<&'a Enum> {
     let name = field.enum_name.as_deref()?;
-    if matches!(field.field_type, FieldType::F32 | FieldType::F64) {
+    if field.field_type.is_float() {
         return None;
     }
     dialect.enums.iter().find(|definition| definition.name == name)

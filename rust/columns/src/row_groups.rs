@@ -206,7 +206,7 @@ fn with_column(
 /// What leaves least to be compressed: measured values change little from one to the next.
 fn encoding_of(leaf: &DataType) -> Option<Encoding> {
     match leaf {
-        DataType::Float32 | DataType::Float64 => Some(Encoding::BYTE_STREAM_SPLIT),
+        leaf if leaf.is_floating() => Some(Encoding::BYTE_STREAM_SPLIT),
         DataType::Timestamp(..) => Some(Encoding::DELTA_BINARY_PACKED),
         leaf if leaf.is_integer() => Some(Encoding::DELTA_BINARY_PACKED),
         _ => None,

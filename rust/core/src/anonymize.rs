@@ -126,29 +126,28 @@ impl Anonymizer {
 
     /// Shifts all elements of a field; 0, the largest integer and not-a-number mean "no position" and stay.
     fn shift_field(&self, field: &Field, axis: Axis, units: f64, payload: &mut [u8]) {
+        use FieldType as T;
         let (kind, size) = (field.field_type, field.field_type.size());
         for bytes in bytes_of(field, payload).chunks_exact_mut(size) {
-            let here = match kind {
-                FieldType::I32 => f64::from(i32::from_le_bytes(read(bytes, 0))),
-                FieldType::F32 => f64::from(f32::from_le_bytes(read(bytes, 0))),
-                FieldType::F64 => f64::from_le_bytes(read(bytes, 0)),
-                _ => continue,
+            let (here, put): (f64, fn(f64, &mut [u8])) = match kind {
+                T::I32 => (i32::from_le_bytes(read(bytes, 0)).into(), |there, out| {
+                    out.copy_from_slice(&(there.round() as i32).to_le_bytes());
+                }),
+                T::F32 => (f32::from_le_bytes(read(bytes, 0)).into(), |there, out| {
+                    out.copy_from_slice(&(there as f32).to_le_bytes());
+                }),
+                T::F64 => (f64::from_le_bytes(read(bytes, 0)), |there, out| {
+                    out.copy_from_slice(&there.to_le_bytes());
+                }),
+                T::Char | T::U8 | T::I8 | T::U16 | T::I16 | T::U32 | T::U64 | T::I64 => return,
             };
-            if here == 0.0
-                || !here.is_finite()
-                || (kind == FieldType::I32 && here >= 2_147_483_647.0)
-            {
+            if here == 0.0 || !here.is_finite() || (kind == T::I32 && here >= 2_147_483_647.0) {
                 continue;
             }
             // Commands and items have degrees or, as definitions and senders differ, degE7 in such a field.
-            let is_scaled = kind == FieldType::F32 && here.abs() > 360.0;
+            let is_scaled = kind == T::F32 && here.abs() > 360.0;
             let units = if is_scaled { 1e7 } else { units };
-            let there = self.shifted(here / units, axis) * units;
-            match kind {
-                FieldType::I32 => bytes.copy_from_slice(&(there.round() as i32).to_le_bytes()),
-                FieldType::F32 => bytes.copy_from_slice(&(there as f32).to_le_bytes()),
-                _ => bytes.copy_from_slice(&there.to_le_bytes()),
-            }
+            put(self.shifted(here / units, axis) * units, bytes);
         }
     }
 

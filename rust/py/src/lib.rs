@@ -24,8 +24,10 @@ mod tables;
 
 #[pymodule(gil_used = true)]
 mod _native {
+    use mavwire_schema::FieldType;
     use pyo3::exceptions::PyImportError;
     use pyo3::prelude::*;
+    use pyo3::types::IntoPyDict;
 
     use crate::python::calling::Calling;
 
@@ -137,6 +139,8 @@ mod _native {
         crate::link::replaced::prepare(module.py())?;
         crate::message::create::check_layout(module.py())?;
         crate::message::descriptors::add_meta_attributes(module.py())?;
+        let types = FieldType::ALL.iter().map(|one| (one.name(), one.is_float()));
+        module.add("FIELD_TYPES", types.into_py_dict(module.py())?)?;
         module.add("FieldGetter", crate::message::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";

@@ -3,6 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::field_type::FieldType;
+
 /// One XML file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Definitions {
@@ -168,106 +170,5 @@ impl FieldDef {
     /// Bytes on the wire.
     pub fn wire_len(&self) -> usize {
         self.field_type.size() * usize::from(self.array_length.max(1))
-    }
-}
-
-/// Element type of a field. The discriminants are the `MAVLINK_TYPE_*` numbers.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum FieldType {
-    /// `char`
-    #[serde(rename = "char")]
-    Char = 0,
-    /// `uint8_t`
-    #[serde(rename = "uint8_t")]
-    #[default]
-    U8 = 1,
-    /// `int8_t`
-    #[serde(rename = "int8_t")]
-    I8 = 2,
-    /// `uint16_t`
-    #[serde(rename = "uint16_t")]
-    U16 = 3,
-    /// `int16_t`
-    #[serde(rename = "int16_t")]
-    I16 = 4,
-    /// `uint32_t`
-    #[serde(rename = "uint32_t")]
-    U32 = 5,
-    /// `int32_t`
-    #[serde(rename = "int32_t")]
-    I32 = 6,
-    /// `uint64_t`
-    #[serde(rename = "uint64_t")]
-    U64 = 7,
-    /// `int64_t`
-    #[serde(rename = "int64_t")]
-    I64 = 8,
-    /// `float`
-    #[serde(rename = "float")]
-    F32 = 9,
-    /// `double`
-    #[serde(rename = "double")]
-    F64 = 10,
-}
-
-impl FieldType {
-    /// Every type, in the order of the `MAVLINK_TYPE_*` numbers.
-    pub const ALL: [Self; 11] = [
-        Self::Char,
-        Self::U8,
-        Self::I8,
-        Self::U16,
-        Self::I16,
-        Self::U32,
-        Self::I32,
-        Self::U64,
-        Self::I64,
-        Self::F32,
-        Self::F64,
-    ];
-
-    /// Bytes of one element.
-    pub const fn size(self) -> usize {
-        match self {
-            Self::Char | Self::U8 | Self::I8 => 1,
-            Self::U16 | Self::I16 => 2,
-            Self::U32 | Self::I32 | Self::F32 => 4,
-            Self::U64 | Self::I64 | Self::F64 => 8,
-        }
-    }
-
-    /// The name in XML and in `crc_extra`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Char => "char",
-            Self::U8 => "uint8_t",
-            Self::I8 => "int8_t",
-            Self::U16 => "uint16_t",
-            Self::I16 => "int16_t",
-            Self::U32 => "uint32_t",
-            Self::I32 => "int32_t",
-            Self::U64 => "uint64_t",
-            Self::I64 => "int64_t",
-            Self::F32 => "float",
-            Self::F64 => "double",
-        }
-    }
-
-    /// Letter of Python's `struct` module.
-    pub const fn struct_code(self) -> char {
-        match self {
-            Self::Char => 'c',
-            Self::U8 => 'B',
-            Self::I8 => 'b',
-            Self::U16 => 'H',
-            Self::I16 => 'h',
-            Self::U32 => 'I',
-            Self::I32 => 'i',
-            Self::U64 => 'Q',
-            Self::I64 => 'q',
-            Self::F32 => 'f',
-            Self::F64 => 'd',
-        }
     }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use crate::definitions::{CommandParam, FieldType};
+use crate::definitions::CommandParam;
+use crate::field_type::FieldType;
 
 /// Wire protocol a dialect is laid out for. Version 1 drops ids above 255 and extension fields.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]

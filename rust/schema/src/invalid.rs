@@ -4,8 +4,8 @@
 //! marks all elements if the first is `x`. `[x,,y]` marks elements that equal the number at their position. (MAVLink guide,
 //! "MAVLink XML schema": `invalid`.)
 
-use crate::definitions::FieldType;
 use crate::dialect::{Enum, Field};
+use crate::field_type::FieldType;
 use crate::number::parse_value;
 
 /// The invalid values of a field.
@@ -76,6 +76,7 @@ impl InvalidRule {
     #[inline]
     #[allow(clippy::float_cmp)] // exactly the value of the definition
     pub fn is_invalid(&self, field: &[u8], element: usize) -> bool {
+        use FieldType as T;
         let (number, element) = match &self.marks {
             Marks::Each(number) => (*number, element),
             Marks::First(number) => (*number, 0),
@@ -90,14 +91,16 @@ impl InvalidRule {
         whole[..size].copy_from_slice(bytes);
         let unsigned = u64::from_le_bytes(whole);
         let float = match self.field_type {
-            FieldType::F32 => f64::from(f32::from_bits(unsigned as u32)),
-            FieldType::F64 => f64::from_bits(unsigned),
-            FieldType::I8 | FieldType::I16 | FieldType::I32 | FieldType::I64 => {
+            T::F32 => f64::from(f32::from_bits(unsigned as u32)),
+            T::F64 => f64::from_bits(unsigned),
+            T::I8 | T::I16 | T::I32 | T::I64 => {
                 let unused = 64 - 8 * size as u32;
                 let signed = (unsigned << unused) as i64 >> unused;
                 return number == Number::Integer(i128::from(signed));
             }
-            _ => return number == Number::Integer(i128::from(unsigned)),
+            T::Char | T::U8 | T::U16 | T::U32 | T::U64 => {
+                return number == Number::Integer(i128::from(unsigned));
+            }
         };
         matches!(number, Number::Float(none) if none == float || none.is_nan() && float.is_nan())
     }
@@ -105,6 +108,7 @@ impl InvalidRule {
 
 /// A number of the type, in one of the forms of definitions.
 fn number(text: &str, field_type: FieldType) -> Option<Number> {
+    use FieldType as T;
     let limit = match text {
         "UINT8_MAX" => Some(i128::from(u8::MAX)),
         "UINT16_MAX" => Some(i128::from(u16::MAX)),
@@ -121,14 +125,15 @@ fn number(text: &str, field_type: FieldType) -> Option<Number> {
         "UINT8_MIN" | "UINT16_MIN" | "UINT32_MIN" | "UINT64_MIN" => Some(0),
         _ => parse_value(text),
     };
-    let is_single = match field_type {
-        FieldType::F32 => true,
-        FieldType::F64 => false,
-        _ => return limit.map(Number::Integer),
-    };
-    let float = limit.map(|limit| limit as f64).or_else(|| text.parse().ok())?;
-    // As the field holds it, so that 0.1 is equal to the nearest float.
-    Some(Number::Float(if is_single { f64::from(float as f32) } else { float }))
+    let float = limit.map(|limit| limit as f64).or_else(|| text.parse().ok());
+    match field_type {
+        // As the field holds it, so that 0.1 is equal to the nearest float.
+        T::F32 => float.map(|float: f64| Number::Float(f64::from(float as f32))),
+        T::F64 => float.map(Number::Float),
+        T::Char | T::U8 | T::I8 | T::U16 | T::I16 | T::U32 | T::I32 | T::U64 | T::I64 => {
+            limit.map(Number::Integer)
+        }
+    }
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod check;
 mod definitions;
 mod dialect;
 mod error;
+mod field_type;
 mod guard;
 mod includes;
 mod invalid;
@@ -30,11 +31,11 @@ mod union;
 
 pub use check::check_schema;
 pub use definitions::{
-    CommandParam, Definitions, Deprecation, EnumDef, EnumEntryDef, FieldDef, FieldType, MessageDef,
-    Status,
+    CommandParam, Definitions, Deprecation, EnumDef, EnumEntryDef, FieldDef, MessageDef, Status,
 };
 pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
 pub use error::{Reason, SchemaError};
+pub use field_type::FieldType;
 pub use invalid::InvalidRule;
 pub use layout::{Layout, crc_extra};
 pub use library::{Library, decode_blob, encode_blob};

@@ -1,7 +1,7 @@
 //! Numbers and types as definitions write them. Values are matched against a few fixed forms and never evaluated as
 //! code: `42`, `-1`, `0x2A`, `0b101`, `0o52`, `2**6` and `1<<6`.
 
-use crate::definitions::FieldType;
+use crate::field_type::FieldType;
 
 /// Smallest enum value.
 pub(crate) const MIN_VALUE: i128 = i64::MIN as i128;
@@ -60,5 +60,5 @@ pub(crate) fn parse_decimal(text: &str, max: u32) -> Option<u32> {
 
 /// An element type by its XML name.
 pub(crate) fn parse_type(name: &str) -> Option<FieldType> {
-    FieldType::ALL.into_iter().find(|field_type| field_type.name() == name)
+    FieldType::ALL.iter().copied().find(|field_type| field_type.name() == name)
 }

@@ -163,7 +163,7 @@ fn property(field: &Field, text: String) -> Value {
 
 fn type_of(data_type: &DataType) -> &'static str {
     match data_type {
-        DataType::Float32 | DataType::Float64 => "number",
+        float if float.is_floating() => "number",
         integer if integer.is_integer() => "integer",
         _ => "string",
     }

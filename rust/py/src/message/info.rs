@@ -124,14 +124,12 @@ impl Info {
 
     /// Seconds since boot that a payload tells: `time_boot_ms`, else `usec`.
     pub(crate) fn uptime(&self, payload: &[u8]) -> Option<f64> {
-        let number = |index: usize| {
-            let field = &self.definition.fields[index];
-            let offset = usize::from(field.offset);
-            match field.field_type {
-                FieldType::U64 => Some(u64::from_le_bytes(read(payload, offset)) as f64),
-                FieldType::U32 => Some(f64::from(u32::from_le_bytes(read(payload, offset)))),
-                _ => None,
-            }
+        use FieldType as T;
+        let offset = |index: usize| usize::from(self.places[index].offset);
+        let number = |index: usize| match self.places[index].field_type {
+            T::U64 => Some(u64::from_le_bytes(read(payload, offset(index))) as f64),
+            T::U32 => Some(f64::from(u32::from_le_bytes(read(payload, offset(index))))),
+            T::Char | T::U8 | T::I8 | T::U16 | T::I16 | T::I32 | T::I64 | T::F32 | T::F64 => None,
         };
         let boot = self.time_boot_ms.and_then(number).map(|ms| ms * 1.0e-3);
         boot.or_else(|| self.usec.and_then(number).map(|us| us * 1.0e-6))

@@ -6,8 +6,9 @@ use roxmltree::Node;
 
 use super::element::{Source, boolean, optional};
 use super::reserved;
-use crate::definitions::{FieldDef, FieldType, MessageDef};
+use crate::definitions::{FieldDef, MessageDef};
 use crate::error::{Reason, SchemaError, excerpt};
+use crate::field_type::FieldType;
 use crate::layout::check_fields;
 use crate::limits::{MAX_FIELDS, MAX_MESSAGE_ID};
 use crate::number::{parse_decimal, parse_type};
