@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 from mavwire.dialects import UPSTREAM
 from mavwire.links import state
+from mavwire.links.connection import CLIENTS
 
 from .background import close_in_background, in_background
 from .feed import check_backlog
@@ -17,8 +18,6 @@ from .link import BACKLOG, Link
 if TYPE_CHECKING:
     from typing import Unpack
 
-# Connections whose other end may not be up yet, which `retries` is for.
-_CLIENTS = ("tcp:", "uds:", "unix:")
 DEFAULT_RETRIES = 3
 
 
@@ -82,7 +81,7 @@ class Connecting:
         options = dict(self._options)
         delay: float = options.get("reconnect_delay", 1.0)
         attempts = 1
-        if self._device.startswith(_CLIENTS):
+        if self._device.startswith(tuple(CLIENTS)):
             attempts = max(options.get("retries", DEFAULT_RETRIES), 1)
             options["retries"] = 1  # the pauses between the attempts are the loop's
         progress = options.get("progress_callback")

@@ -71,7 +71,7 @@ class OneClientServer(Transport):
 
 
 class DatagramClient(Transport):
-    """Datagrams to a host: should it have moved, its name is looked up beside the loop."""
+    """Datagrams to a host: should it have moved, its name is looked up beside the loop. A server looks up none."""
 
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
@@ -174,20 +174,7 @@ class Child(Transport):
         return isinstance(error, OSError)
 
 
-_KINDS: dict[str, Callable[[Any], Transport]] = {
-    "mavudp": lambda sync: Transport(sync) if sync.udp_server else DatagramClient(sync),
-    "mavtcpin": OneClientServer,
-    "mavwebsocket": OneClientServer,
-    "mavtcp": StreamClient,
-    "mavwebsocket_client": Client,
-    "mavserial": SerialPort,
-    "mavchildexec": Child,
-}
-
-
 def transport_of(sync: Any) -> Transport:
-    """The transport of a link of mavutil, or of a class derived from one."""
-    for base in type(sync).__mro__:
-        if base.__name__ in _KINDS and base.__module__.startswith("mavwire.links"):
-            return _KINDS[base.__name__](sync)
-    return Transport(sync)
+    """The transport that the class of a link names. Logs and links of programs may name none."""
+    made: type[Transport] = globals()[getattr(sync, "_aio_transport", "Transport")]
+    return made(sync)

@@ -12,6 +12,8 @@ from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_por
 class mavchildexec(StreamLink):
     """Runs `filename`, which is why `mavlink_connection` wants the `exec:` prefix for it."""
 
+    _aio_transport = "Child"
+
     def __init__(
         self,
         filename: str,

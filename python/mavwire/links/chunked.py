@@ -30,6 +30,8 @@ class ChunkedLink(LiveLink, mavfile):
     _quick_methods: list[tuple[type | None, str, Any]]
     # Descriptor and bytes of the native reader are those of this object.
     port: Any
+    # The class of `mavwire.aio.transports` that keeps such a link in a loop.
+    _aio_transport: str
     # Closed by the program, for good.
     _closed = False
 

@@ -88,11 +88,12 @@ def _csv(address: str, o: Options) -> Any:
     )
 
 
+# Clients whose other end may not be up yet, which `retries` is for.
+CLIENTS = {"tcp:": "mavtcp", "uds:": "mavuds", "unix:": "mavuds"}
+
 PREFIXES: dict[str, Callable[[str, Options], Any]] = {
-    "tcp:": _stream("mavtcp"),
+    **{prefix: _stream(name) for prefix, name in CLIENTS.items()},
     "tcpin:": lambda at, o: state.public.mavtcpin(at, retries=o.retries, **o.common),
-    "uds:": _stream("mavuds"),
-    "unix:": _stream("mavuds"),
     "udpin:": lambda at, o: _udp(at, o, input=True, timeout=o.udp_timeout),
     "udpout:": lambda at, o: _udp(at, o, input=False),
     **dict.fromkeys(

@@ -45,6 +45,7 @@ def listen_on(address: tuple[str, int]) -> Any:
 class OneClientLink(StreamLink):
     """A server for one client at a time; `listen` is its listening socket."""
 
+    _aio_transport = "OneClientServer"
     listen: Any
     # Clients that had to go.
     clients_replaced = 0

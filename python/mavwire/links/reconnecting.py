@@ -64,6 +64,7 @@ class RetryingLink(StreamLink):
 class ReconnectingLink(RetryingLink):
     """A client over a stream socket. With `autoreconnect` a lost connection is made again."""
 
+    _aio_transport = "Client"
     autoreconnect: bool
     reconnect_delay: float
     # When the link was connected, and the messages that it had received by then.

@@ -57,6 +57,7 @@ class mavserial(RetryingLink):
     """`device` is a port name, or `name,baud` where no such file exists. With `autoreconnect` a port that was
     unplugged is opened again, every `reconnect_delay` seconds at most."""
 
+    _aio_transport = "SerialPort"
     # The port took nothing for WRITE_TIMEOUT.
     _is_stuck = False
 

@@ -21,6 +21,7 @@ CONNECT_TIMEOUT = 5.0
 class mavtcp(ReconnectingLink):
     """`device` is host:port. `retries` connection attempts, `reconnect_delay` seconds apart."""
 
+    _aio_transport = "StreamClient"
     _socket_kind = "TCP"
 
     def __init__(

@@ -42,6 +42,7 @@ NOTHING_RECEIVED = frozenset((
 class DatagramLink(ChunkedLink):
     """A link over a datagram socket, `port`."""
 
+    _aio_transport = "Transport"
     # Counted instead of raised: a datagram link has no one to tell.
     write_errors = 0
 
@@ -70,6 +71,7 @@ class DatagramLink(ChunkedLink):
 class mavudp(DatagramLink):
     """`device` is host:port: where to listen if `input`, where to send otherwise."""
 
+    _aio_transport = "DatagramClient"
     clients_refused = 0
     # The destination's name is to be looked up: at first, and again when sending fails.
     _lookup_due = True

@@ -6,21 +6,52 @@ import ctypes
 import errno
 import math
 import os
+import re
 import socket
 import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
-from mavwire import mavutil
+from mavwire import links, mavutil
+from mavwire.aio import transports
 from mavwire.links import names
+from mavwire.links.chunked import ChunkedLink
+from mavwire.links.connection import PREFIXES
+from mavwire.links.mavfile import mavfile
 from mavwire.links.mcast import mavmcast
 from mavwire.links.waiting import set_close_on_exec
 from unit.bridge_tools import wait_until
 from unit.link_tools import free_port, heartbeat
 
 WAIT = 60.0
+
+
+def link_classes() -> Iterator[type]:
+    for module in iter_modules(links.__path__):
+        for name, one in vars(import_module(f"mavwire.links.{module.name}")).items():
+            if name.startswith("mav") and isinstance(one, type) and issubclass(one, mavfile):
+                yield one
+
+
+def test_a_link_class_is_known_wherever_links_are() -> None:
+    text = Path(mavutil.__file__).read_text()
+    for one in link_classes():
+        name = one.__name__
+        assert getattr(mavutil, name) is one, "mavutil._LAZY"
+        assert name in mavutil.__all__
+        assert re.search(rf"from \.links\.\w+ import .*\b{name}\b", text), "types of mavutil"
+        if issubclass(one, ChunkedLink):
+            assert issubclass(getattr(transports, one._aio_transport), transports.Transport)
+
+
+def test_prefixes_of_links_are_documented() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "links.md").read_text()
+    assert [prefix for prefix in PREFIXES if f"`{prefix}" not in text] == []
 
 
 @pytest.mark.parametrize(
