@@ -13,7 +13,6 @@ from typing import Any
 from mavwire._log_link import open_link
 from mavwire._native import LogKind, identify
 from mavwire.cli._errors import tell
-from mavwire.links.recognise import TELEMETRY
 
 DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
@@ -34,11 +33,10 @@ def warn_if_foreign(
 
     try:
         kind = identify(path)
-        is_telemetry = kind in TELEMETRY
-        if kind is LogKind.DATAFLASH or (is_telemetry and (is_indexed or _begins(path, kind))):
+        if kind is LogKind.DATAFLASH or (kind.is_telemetry and (is_indexed or _begins(path, kind))):
             return False
         said, is_foreign = _lacking(path, state.mavlink)
-        if not said and is_telemetry and not _has_message(open_link(path)):
+        if not said and kind.is_telemetry and not _has_message(open_link(path)):
             said, is_foreign = DAMAGED, True
     except OSError:  # gone since it was read
         return False

@@ -14,15 +14,7 @@ from types import SimpleNamespace
 from mavwire._native import LogKind
 
 from . import Any, Callable, state
-from .recognise import (
-    DATAFLASH,
-    TELEMETRY,
-    check_usable,
-    is_log_name,
-    is_serial_name,
-    log_kind,
-    mode_of,
-)
+from .recognise import check_usable, is_log_name, is_serial_name, log_kind, mode_of
 
 
 class Options(SimpleNamespace):
@@ -148,7 +140,7 @@ def _telemetry_log(device: str, kind: LogKind, o: Options) -> Any:
 
 
 def _log(device: str, kind: LogKind, o: Options) -> Any:
-    if kind in TELEMETRY:
+    if kind.is_telemetry:
         return _telemetry_log(device, kind, o)
     module = state.import_module("mavwire.DFReader")
     reader = module.DFReader_text if kind is LogKind.DATAFLASH_TEXT else module.DFReader_binary
@@ -198,7 +190,7 @@ def _connect_unprefixed(device: str, o: Options) -> Any:
     kind = log_kind(device, readonly)
     if kind is None and ":" in device and not is_log_name(device):
         return _udp(device, o)
-    if kind not in DATAFLASH:
+    if kind is None or not kind.is_dataflash:
         check_usable(device, creating=o.write)
     if kind is None and o.write and not mode_of(device) and not is_serial_name(device):
         kind = LogKind.TLOG

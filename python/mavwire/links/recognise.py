@@ -16,8 +16,6 @@ from .readiness import from_handler
 
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
 DATAFLASH_SUFFIXES = (".bin", ".px4log")
-TELEMETRY = frozenset((LogKind.TLOG, LogKind.RAW))
-DATAFLASH = frozenset((LogKind.DATAFLASH, LogKind.DATAFLASH_TEXT, LogKind.HEADERLESS))
 STAMP_LEN = 8
 # Bytes of a frame that say how long it is.
 LENGTH_HEAD = 3
@@ -60,7 +58,7 @@ def log_kind(device: str, readonly: bool) -> LogKind | None:
     Files that are to be written, or read as raw streams, are not recognised by content.
     """
     kind = kind_of(device)
-    if kind is LogKind.TLOG or (readonly and kind in TELEMETRY | DATAFLASH):
+    if kind is LogKind.TLOG or (readonly and (kind.is_telemetry or kind.is_dataflash)):
         return LogKind.DATAFLASH if kind is LogKind.HEADERLESS else kind
     lower = device.lower()
     if lower.endswith(DATAFLASH_SUFFIXES):
@@ -98,7 +96,10 @@ def missing_log(device: str) -> bool:
 def is_program(device: str) -> bool:
     """Whether a file is a program by name and mode and no log by content."""
     named = device.endswith(".elf") or ("/bin/" in device and os.access(device, os.X_OK))
-    return named and kind_of(device) not in TELEMETRY | DATAFLASH
+    if not named:
+        return False
+    kind = kind_of(device)
+    return not (kind.is_telemetry or kind.is_dataflash)
 
 
 def is_pipe_or_socket(device: str) -> bool:

@@ -10,7 +10,6 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, LogKind, identify
-from mavwire.links.recognise import DATAFLASH
 
 from .base import Log
 from .checks import no_record_type
@@ -39,7 +38,7 @@ class DataflashLog(Log):
         self.path = os.fsdecode(path)
         self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
         kind = identify(self.path, unpack=True)
-        if kind not in DATAFLASH:
+        if not kind.is_dataflash:
             raise no_record("dataflash", self.path)
         if kind is LogKind.HEADERLESS:
             self._tables()  # which says so if there is no description further on either

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, LogKind, decompress, identify
 from mavwire._text import naming
-from mavwire.links.recognise import DATAFLASH
 
 from .format_error import COMPRESSED, no_record, not_telemetry, undescribed
 
@@ -33,7 +32,7 @@ def is_dataflash(source: Source) -> bool:
     read.
     """
     try:
-        return identify(source, unpack=True) in DATAFLASH
+        return identify(source, unpack=True).is_dataflash
     except OSError:
         return False
 
@@ -126,7 +125,7 @@ def check_has_records(source: Source, path: str, damage: str | None) -> None:
     off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
     """
     kind = identify(source, unpack=True)
-    if kind in DATAFLASH:
+    if kind.is_dataflash:
         raise no_record("dataflash", path)
     if damage or kind is not LogKind.CUT:
         raise not_telemetry(path, identify(source) if damage else kind, damage)

@@ -14,7 +14,6 @@ from typing import Any, Unpack
 from mavwire._native import LogKind, LogScan, identify
 from mavwire._text import naming
 from mavwire.dialects import UPSTREAM
-from mavwire.links.recognise import TELEMETRY
 
 from .base import Log
 from .dialect import dialect_module, portable, restored
@@ -194,7 +193,7 @@ class TelemetryLog(Log):
             found, damage = self._records(2)  # the second block sees where a short log ends
             if not found:
                 check_has_records(self.path, self.path, damage)
-        elif kind not in TELEMETRY | {LogKind.CUT} and not self._may_have_records(kind):
+        elif not (kind.is_telemetry or kind is LogKind.CUT or self._may_have_records(kind)):
             raise not_telemetry(self.path, kind)
 
     def _may_have_records(self, kind: LogKind) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
 from mavwire.expression import evaluate_expression
-from mavwire.links.recognise import DATAFLASH, log_kind
+from mavwire.links.recognise import log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
@@ -125,7 +125,8 @@ def is_telemetry(path: str) -> bool:
 
     check_readable(path)
     csv = path.lower().endswith(".csv")
-    return not csv and log_kind(path, readonly=True) not in DATAFLASH
+    kind = log_kind(path, readonly=True)
+    return not csv and (kind is None or not kind.is_dataflash)
 
 
 def message_types(path: str, dialect: str | os.PathLike[str]) -> set[str] | None:

@@ -14,7 +14,9 @@ import pytest
 from dataflash_writer import sample
 from encoder import heartbeat, record
 from mavwire import cli, mavutil
+from mavwire._native import LogKind
 from mavwire.logs import LogFormatError
+from mavwire.logs.format_error import _OTHERS
 
 EMPTY = "the log is empty: repeat the copy or the download"
 NO_RECORD = "the log ends within its first record: repeat the copy or the download"
@@ -22,6 +24,17 @@ NO_TELEMETRY = "no telemetry record found; `mavwire info --help` names the kinds
 NO_DATAFLASH = "no dataflash record found; `mavwire info --help` names the kinds of logs; copy a truncated log again"
 NOISE = bytes(number * number * 7 % 251 for number in range(3000))
 COMMANDS = ("dump", "info", "parms", "flightmodes", "summarize")
+
+
+def test_each_kind_of_log_is_telemetry_or_has_a_text() -> None:
+    kinds = {kind for kind in vars(LogKind).values() if isinstance(kind, LogKind)}
+    assert {kind for kind in kinds if not kind.is_telemetry} - {*_OTHERS} == {
+        LogKind.CUT,
+        LogKind.UNKNOWN,
+    }
+    assert {kind for kind in kinds if kind.is_dataflash} == {
+        LogKind.DATAFLASH, LogKind.DATAFLASH_TEXT, LogKind.HEADERLESS
+    }  # fmt: skip
 
 
 @pytest.fixture(autouse=True)

@@ -40,13 +40,10 @@ pub enum Form {
 impl Form {
     /// The form of a log, perhaps one of which nothing can be read; `None` for something else.
     pub fn of(verdict: Verdict<'_>) -> Option<Self> {
-        match verdict.kind {
-            Kind::Dataflash | Kind::Headerless => Some(Self::Binary(Box::default())),
-            Kind::DataflashText => {
-                Some(Self::Text(TextDefinitions::new(Delimiter::of(verdict.telling))))
-            }
-            _ => None,
-        }
+        verdict.kind.is_dataflash().then(|| match verdict.kind {
+            Kind::DataflashText => Self::Text(TextDefinitions::new(Delimiter::of(verdict.telling))),
+            _ => Self::Binary(Box::default()),
+        })
     }
 
     /// The layouts of the records.

@@ -45,7 +45,7 @@ const OTHERS: [(&[u8], Kind); 12] = [
     (b"PK\x03\x04", Kind::Zip),
     (b"PK\x05\x06", Kind::Zip),
     (b"\x7FELF", Kind::Program),
-    (b"ULog\x01\x12\x35", Kind::ULog),
+    (b"ULog\x01\x12\x35", Kind::Ulog),
     (b"\x89PNG\r\n\x1A\n", Kind::Png),
     (b"SQLite format 3\0", Kind::Sqlite),
     (b"\xD4\xC3\xB2\xA1", Kind::Pcap),
@@ -86,7 +86,7 @@ pub enum Kind {
     /// A program.
     Program,
     /// A log of PX4.
-    ULog,
+    Ulog,
     /// An image.
     Png,
     /// A capture of network packets.
@@ -112,9 +112,14 @@ impl Kind {
         matches!(self, Self::Dataflash | Self::DataflashText | Self::Headerless)
     }
 
+    /// Whether it is a telemetry log.
+    pub fn is_telemetry(self) -> bool {
+        matches!(self, Self::Tlog | Self::Raw)
+    }
+
     /// Whether it is a log, which more bytes than [`WINDOW`] do not change.
     pub fn is_log(self) -> bool {
-        self.is_dataflash() || matches!(self, Self::Tlog | Self::Raw | Self::Gzip | Self::Zstd)
+        self.is_dataflash() || self.is_telemetry() || matches!(self, Self::Gzip | Self::Zstd)
     }
 }
 

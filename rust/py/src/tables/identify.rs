@@ -10,47 +10,38 @@ use pyo3::prelude::*;
 use crate::python::error::Result;
 use crate::tables::source::Source;
 
-/// A kind of log, or of another file. The names say the same in `mavwire_core::log::kind`.
-#[pyclass(eq, frozen, hash, rename_all = "SCREAMING_SNAKE_CASE", module = "mavwire._native")]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum LogKind {
-    Cut,
-    Tlog,
-    Raw,
-    Dataflash,
-    DataflashText,
-    Headerless,
-    Gzip,
-    Zstd,
-    Zip,
-    Program,
-    Ulog,
-    Png,
-    Pcap,
-    Sqlite,
-    Unknown,
+macro_rules! log_kinds {
+    ($($name:ident),*) => {
+        /// A kind of log, or of another file, with the names of `mavwire_core::log::kind`.
+        #[pyclass(eq, frozen, hash, rename_all = "SCREAMING_SNAKE_CASE", module = "mavwire._native")]
+        #[derive(Debug, PartialEq, Eq, Hash)]
+        pub(crate) enum LogKind {
+            $($name,)*
+        }
+
+        #[pymethods]
+        impl LogKind {
+            #[getter]
+            fn is_telemetry(&self) -> bool {
+                match self { $(Self::$name => Kind::$name.is_telemetry(),)* }
+            }
+
+            #[getter]
+            fn is_dataflash(&self) -> bool {
+                match self { $(Self::$name => Kind::$name.is_dataflash(),)* }
+            }
+        }
+
+        impl From<Kind> for LogKind {
+            fn from(kind: Kind) -> Self {
+                match kind { $(Kind::$name => Self::$name,)* }
+            }
+        }
+    };
 }
 
-impl From<Kind> for LogKind {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Cut => Self::Cut,
-            Kind::Tlog => Self::Tlog,
-            Kind::Raw => Self::Raw,
-            Kind::Dataflash => Self::Dataflash,
-            Kind::DataflashText => Self::DataflashText,
-            Kind::Headerless => Self::Headerless,
-            Kind::Gzip => Self::Gzip,
-            Kind::Zstd => Self::Zstd,
-            Kind::Zip => Self::Zip,
-            Kind::Program => Self::Program,
-            Kind::ULog => Self::Ulog,
-            Kind::Png => Self::Png,
-            Kind::Pcap => Self::Pcap,
-            Kind::Sqlite => Self::Sqlite,
-            Kind::Unknown => Self::Unknown,
-        }
-    }
+log_kinds! {
+    Cut, Tlog, Raw, Dataflash, DataflashText, Headerless, Gzip, Zstd, Zip, Program, Ulog, Png, Pcap, Sqlite, Unknown
 }
 
 /// The kind of the log in a source, which may be compressed.
