@@ -18,7 +18,7 @@ from mavwire._extras import extra
 from mavwire._threads import start_thread
 
 from .errors import ConfigError
-from .inspector_view import plain
+from .inspector_tables import plain
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -308,7 +308,7 @@ def test_without_aiohttp_it_says_what_to_install(
 ) -> None:
     from mavwire import cli
 
-    for name in ("metrics", "inspector", "web_sink", "web_server"):
+    for name in ("metrics", "inspector_server", "web_sink", "web_server"):
         monkeypatch.delitem(sys.modules, f"mavwire.bridge.{name}", raising=False)
     monkeypatch.setitem(sys.modules, "aiohttp", None)
     assert cli.main(["bridge", UDP, *options]) == 1

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from integration.processes import announced_ports, mavwire
 from mavwire import Bridge
-from mavwire.bridge.inspector_view import View
+from mavwire.bridge.inspector_tables import View
 from mavwire.dialects import load
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, peers, receive, udp_peer, wait_until

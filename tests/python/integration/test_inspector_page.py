@@ -12,7 +12,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'ma
 
 from integration.browser import browse, executable
 from mavwire import Bridge
-from mavwire.bridge.inspector import Inspector
+from mavwire.bridge.inspector_server import Inspector
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Vehicle, serve
 from unit.bridge_tools import port_of, udp_peer

@@ -208,7 +208,7 @@ def server() -> Iterator[tuple[int, list[BaseException]]]:
     """Port of an inspector, and what its handlers raised that is no end of a connection."""
     pytest.importorskip("aiohttp")
     from aiohttp import web
-    from mavwire.bridge.inspector import Inspector
+    from mavwire.bridge.inspector_server import Inspector
 
     raised: list[BaseException] = []
 

@@ -20,8 +20,8 @@ pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'ma
 
 from mavwire import Bridge, open_log
 from mavwire.bridge import Recording, web_server
-from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
-from mavwire.bridge.inspector_view import MAX_COMPONENTS, View, plain
+from mavwire.bridge.inspector_server import MAX_UNSEEN, TABLES_INTERVAL, Inspector
+from mavwire.bridge.inspector_tables import MAX_COMPONENTS, View, plain
 from mavwire.bridge.web_server import MAX_REQUEST
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import upstream

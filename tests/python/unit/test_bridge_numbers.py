@@ -9,7 +9,7 @@ import time
 import pytest
 from mavwire import Bridge
 from mavwire.bridge import ConfigError
-from mavwire.bridge.inspector_view import MAX_KINDS, View
+from mavwire.bridge.inspector_tables import MAX_KINDS, View
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import TCP, UDP, report, udp_peer, wait_until
 from unit.link_tools import KEY, heartbeat

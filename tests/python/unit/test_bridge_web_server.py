@@ -21,7 +21,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'ma
 
 from mavwire import Bridge
 from mavwire.bridge import web_server
-from mavwire.bridge.inspector import Inspector
+from mavwire.bridge.inspector_server import Inspector
 from mavwire.bridge.metrics import MetricsServer, prometheus
 from mavwire.bridge.sinks import CLOSE_TIME, Sink
 from mavwire.dialects.v20 import all as mavlink

@@ -13,7 +13,7 @@ from typing import Any
 import mavwire
 import pytest
 from mavwire import Bridge, cli, dialects
-from mavwire.bridge.inspector_view import View
+from mavwire.bridge.inspector_tables import View
 from mavwire.logs.manifest import MANIFEST
 from unit.bridge_tools import wait_until
 

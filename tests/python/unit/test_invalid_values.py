@@ -12,7 +12,7 @@ import mavwire
 import pytest
 from compat.tool_runs import Log
 from mavwire import cli
-from mavwire.bridge.inspector_view import View
+from mavwire.bridge.inspector_tables import View
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.decoding import decode
 from mavwire.logs.conversion import convert

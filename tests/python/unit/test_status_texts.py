@@ -12,7 +12,7 @@ import mavwire
 import pytest
 from mavwire import aio, cli
 from mavwire.bridge import Bridge
-from mavwire.bridge.inspector_view import View
+from mavwire.bridge.inspector_tables import View
 from mavwire.dialects.v10 import all as mavlink1
 from mavwire.dialects.v20 import all as mavlink
 from unit.link_tools import record

@@ -225,7 +225,7 @@ def _servers(bridge: Bridge, config: Config) -> Iterator[WebServer]:
 
             yield _served(MetricsServer, bridge, config.metrics)
         if config.http is not None:
-            from mavwire.bridge.inspector import Inspector
+            from mavwire.bridge.inspector_server import Inspector
 
             yield _served(Inspector, bridge, config.http)
     except ImportError as error:

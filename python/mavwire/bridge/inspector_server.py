@@ -12,7 +12,7 @@ import os
 import secrets
 import time
 
-from .inspector_view import View
+from .inspector_tables import View
 from .web_server import INTERVAL, PATIENCE, WebServer, closed_after, is_loopback, web
 
 TYPE_CHECKING = False
