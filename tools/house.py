@@ -185,8 +185,8 @@ def measures() -> dict[str, int]:
 
 
 LIMITS = {
-    "lines of rust/schema": 2_770,
-    "lines of rust/core": 8_780,
+    "lines of rust/schema": 2_750,
+    "lines of rust/core": 8_790,
     "lines of rust/columns": 7_140,
     "lines of rust/io": 6_830,
     "lines of rust/py": 13_310,
