@@ -366,7 +366,7 @@ pub(crate) fn is_stx(byte: u8) -> bool {
 
 /// Bytes before the next STX, or all of them.
 #[inline]
-pub(crate) fn distance_to_stx(bytes: &[u8]) -> usize {
+pub fn distance_to_stx(bytes: &[u8]) -> usize {
     if bytes.first().is_some_and(|&byte| is_stx(byte)) {
         return 0;
     }

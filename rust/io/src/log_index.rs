@@ -13,6 +13,7 @@ use mavwire_core::frame::{
 };
 use mavwire_core::log::tlog::STAMP_LEN;
 use mavwire_core::registry::Registry;
+use mavwire_core::scan::distance_to_stx;
 use mavwire_core::schema::Message as Definition;
 
 /// Longest time stamp and header.
@@ -42,13 +43,10 @@ pub fn find_record(
     while offset + ((STAMP_LEN + HEADER_LEN_V1) as u64) < size {
         let bytes = window.at(offset, LOOK)?;
         let Some(rest) = bytes.get(STAMP_LEN..) else { return Ok(None) };
-        match rest.first() {
-            Some(&STX_V1 | &STX_V2) => {}
-            Some(_) => {
-                offset += skip_to_marker(rest);
-                continue;
-            }
-            None => return Ok(None),
+        let junk = distance_to_stx(rest);
+        if junk > 0 {
+            offset += junk as u64;
+            continue;
         }
         let Some(header) = Header::parse(rest) else { return Ok(None) };
         let start = offset + STAMP_LEN as u64;
@@ -79,11 +77,6 @@ fn find_good(
             }
         }
     }
-}
-
-/// Bytes to the next STX, or to the end of what is there; at least 1.
-fn skip_to_marker(rest: &[u8]) -> u64 {
-    memchr::memchr2(STX_V1, STX_V2, rest).unwrap_or(rest.len()).max(1) as u64
 }
 
 /// Where a payload says which instance it is about.
