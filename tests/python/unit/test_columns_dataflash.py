@@ -18,6 +18,7 @@ from dataflash_writer import FMT, Log, fmt, record, sample
 from mavwire.DFReader import DFReader_binary, DFReader_text
 from mavwire.logs import DataflashLog, LogFormatError
 from mavwire.logs.conversion import convert
+from mavwire.logs.formats import TABLE_FORMATS
 
 ROOT = Path(__file__).parents[3]
 LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
@@ -255,7 +256,7 @@ def test_names_that_are_not_for_folders(tmp_path):
     assert sorted(os.listdir(tmp_path / "a")) == ["out"]
 
 
-@pytest.mark.parametrize("format", ["parquet", "csv", "jsonl", "arrow"])
+@pytest.mark.parametrize("format", TABLE_FORMATS)
 def test_convert(tmp_path, format):
     path = sample().write(tmp_path / "flight.BIN")
     (row,) = convert([path], tmp_path / "out", format=format, types=["IMU", "GPS"])

@@ -13,6 +13,7 @@ from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.logs.align import align
 from mavwire.logs.conversion import convert
+from mavwire.logs.formats import TABLE_FORMATS
 from unit.column_tools import log_of_every_type
 
 
@@ -466,7 +467,7 @@ def test_the_command(flight, tmp_path, capsys):
 
 def test_write_by_suffix(flight, tmp_path):
     table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
-    for suffix in ("parquet", "csv", "jsonl", "arrow"):
+    for suffix in TABLE_FORMATS:
         table.write(tmp_path / f"a.{suffix}")
         assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
     for suffix in ("csv.gz", "csv.zst", "jsonl.gz", "JSONL.ZST"):

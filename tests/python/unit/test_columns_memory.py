@@ -17,6 +17,7 @@ import pytest
 from dataflash_writer import FMT, fmt, record
 from mavwire.dialects.v20 import all as every
 from mavwire.dialects.v20 import common
+from mavwire.logs.formats import FORMATS
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
 
@@ -74,7 +75,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("form", ["parquet", "csv", "jsonl", "arrow", "mcap"])
+@pytest.mark.parametrize("form", FORMATS)
 def test_memory_of_a_conversion_is_bounded(log: Path, tmp_path: Path, form: str) -> None:
     code = """
 import sys

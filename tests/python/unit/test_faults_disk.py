@@ -13,6 +13,7 @@ import pytest
 from mavwire import mavutil, open_log, traffic
 from mavwire.logs import store
 from mavwire.logs.conversion import convert
+from mavwire.logs.formats import FORMATS
 from unit.faults import files, mavwire, python, run
 from unit.link_tools import drain, heartbeat, record
 
@@ -86,7 +87,7 @@ print(json.dumps([full, run_all(commands, log, out)]))
         assert f"{tmp_path}/{name}/made.html: File too large" in full[name][1]
     for name in ("cut", "repair", "anonymize", "merge"):
         assert f"{tmp_path}/{name}/made.tlog: File too large" in full[name][1]
-    for name in ("parquet", "csv", "jsonl", "arrow", "mcap"):
+    for name in FORMATS:
         assert ": File too large" in full[name][1]
     for name, (code, said, made) in again.items():
         assert (code, said) == (0, ""), name

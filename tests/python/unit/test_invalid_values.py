@@ -16,6 +16,7 @@ from mavwire.bridge.inspector_tables import View
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.decoding import decode
 from mavwire.logs.conversion import convert
+from mavwire.logs.formats import FORMATS
 from mavwire.plots.expressions import parse
 from mavwire.plots.series import NO_VALUE, read_series
 from mavwire.plots.track import read_track
@@ -161,7 +162,7 @@ def test_polars_and_pandas(path: Path) -> None:
     assert table.to_pandas(nullable=True)["current_battery"].isna().tolist() == [False, True]
 
 
-@pytest.mark.parametrize("format", ["parquet", "arrow", "jsonl", "csv", "mcap"])
+@pytest.mark.parametrize("format", FORMATS)
 def test_files_leave_them_out(format: str, path: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     how: dict[str, Any] = {} if format == "mcap" else {"units": "si"}

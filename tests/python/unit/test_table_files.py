@@ -15,6 +15,7 @@ from mavwire._native import RecordBatches
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs import Table
 from mavwire.logs.conversion import convert
+from mavwire.logs.formats import FORMATS
 from mavwire.logs.store import write_file
 from unit.link_tools import T0, heartbeat, pack, record
 
@@ -59,7 +60,7 @@ def test_a_file_of_the_name_of_a_draft_stays(tmp_path):
     assert precious.read_text() == "precious"
 
 
-@pytest.mark.parametrize("format", ["parquet", "csv", "jsonl", "arrow", "mcap"])
+@pytest.mark.parametrize("format", FORMATS)
 def test_a_time_beyond_all_calendars_loses_no_row(tmp_path, format):
     path = tmp_path / "odd.tlog"
     stamps = [2**64 - 1, T0, 2**63 - 1, T0 + 1]

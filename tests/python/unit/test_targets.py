@@ -88,10 +88,11 @@ def test_an_error_of_a_table_names_its_file(flight, tmp_path):
     program = """
 import errno, resource, sys
 import mavwire
+from mavwire.logs.formats import TABLE_FORMATS
 log, folder = sys.argv[1:]
 table = mavwire.open_log(log)["ATTITUDE"]
 resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
-for suffix in ("csv", "csv.zst", "jsonl", "parquet", "arrow"):
+for suffix in (*TABLE_FORMATS, "csv.zst"):
     try:
         table.write(f"{folder}/x.{suffix}")
     except OSError as error:

@@ -129,7 +129,14 @@ fn columns_error(error: ColumnsError) -> PyErr {
         ColumnsError::Io(error) => return io_error(error),
         ColumnsError::Arrow(ref error) => system_error(error),
         ColumnsError::Parquet(ref error) => system_error(error),
-        _ => None,
+        ColumnsError::Mcap(_) // whose `From` takes out what the system says
+        | ColumnsError::NoTimes
+        | ColumnsError::Untimed
+        | ColumnsError::TooManyChannels(_)
+        | ColumnsError::TooManyFiles(_)
+        | ColumnsError::NoColumn { .. }
+        | ColumnsError::MixedColumn(_)
+        | ColumnsError::TooManyColumns { .. } => None,
     };
     known.unwrap_or_else(|| PyValueError::new_err(error.to_string()))
 }
