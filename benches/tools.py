@@ -97,7 +97,9 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=3, help="interleaved rounds")
     parser.add_argument("--only", default="", help="only tools whose name contains this")
     parser.add_argument("--processor", type=int, default=(os.cpu_count() or 1) - 1)
-    parser.add_argument("--document", action="store_true", help="write it into docs/tools.md")
+    parser.add_argument(
+        "--document", action="store_true", help="write it into docs/pymavlink-tools.md"
+    )
     args = parser.parse_args()
     corpus = corpora.prepare(args.messages, "mavwire")
     tools = [tool for tool in TOOLS if args.only in tool[0]]
@@ -114,7 +116,7 @@ def main() -> int:
     title = f"{args.messages:,} messages, medians of {args.runs} runs, CPU time on {machine()}"
     print(f"{title}\n\n{aligned(rows)}")
     if args.document:
-        path = document.ROOT / "docs" / "tools.md"
+        path = document.ROOT / "docs" / "pymavlink-tools.md"
         content = f"{title}.\n\n{document.markdown(rows)}"
         document.write(path, "tools", content)
     return 0

@@ -41,7 +41,7 @@ is in [compatibility.md](compatibility.md).
 
 Counted are modules, the functions, classes and constants that they show, and the methods and
 attributes of classes; not what a module imported from elsewhere, no name with a leading underscore,
-and no description of a message or enum. pymavlink's scripts are in [tools.md](tools.md).
+and no description of a message or enum. pymavlink's scripts are in [pymavlink-tools.md](pymavlink-tools.md).
 
 """
 

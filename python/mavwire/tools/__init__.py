@@ -1,6 +1,6 @@
 """The commands under the names of pymavlink's scripts: `python -m mavwire.tools.mavparms`.
 
-`mavwire.cli.COMMANDS` tells their names. Each prints what the script prints, for the same options; docs/tools.md
+`mavwire.cli.COMMANDS` tells their names. Each prints what the script prints, for the same options; docs/pymavlink-tools.md
 says what differs.
 """
 

@@ -35,7 +35,7 @@ def test_real_log(
     compare(script, verb, options, tmp_path, path)
 
 
-# What gpslock, togpx and flightmodes do otherwise is in docs/tools.md.
+# What gpslock, togpx and flightmodes do otherwise is in docs/pymavlink-tools.md.
 DATAFLASH_RUNS = (
     ("mavparms", "parms", ""),
     ("mavflighttime", "flighttime", ""),

@@ -169,7 +169,7 @@ def test_every_script_of_pymavlink_is_a_verb_or_listed(oracle: str) -> None:
     from importlib import import_module
     from pkgutil import iter_modules
 
-    page = (Path(__file__).parents[3] / "docs" / "tools.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "pymavlink-tools.md").read_text(encoding="utf-8")
     listed = re.findall(
         r"[\w*]+\.py\b", page.partition("\nNot there are ")[2].partition("\n## ")[0]
     )
