@@ -12,6 +12,7 @@ use super::tlog::{Framing, STAMP_LEN};
 use crate::builtin;
 use crate::frame::{STX_V1, STX_V2, claimed_len};
 use crate::registry::Registry;
+use crate::unknown::UnknownKind;
 
 mod headerless;
 #[cfg(test)]
@@ -27,6 +28,8 @@ const FILLER: usize = 16;
 const TIME_START: u8 = 0;
 /// Whole records at the start of a telemetry log of any messages that identify it.
 const STARTING_RECORDS: usize = 3;
+/// Whole frames at the start of a raw stream of any messages that identify it.
+const STARTING_FRAMES: usize = 4;
 /// Bytes of a text log among which a description stands.
 const TEXT_START: usize = 8000;
 /// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
@@ -195,6 +198,16 @@ fn begins_with_records(head: &[u8]) -> bool {
     end > 0
 }
 
+/// Whether a head begins with whole frames, of any definitions, whose checksums some `crc_extra` explains.
+fn begins_with_frames(head: &[u8]) -> bool {
+    let mut left = head;
+    (0..STARTING_FRAMES).all(|_| {
+        let is_frame = UnknownKind::of(left).is_some();
+        left = frame_len(left).and_then(|len| left.get(len..)).unwrap_or_default();
+        is_frame
+    })
+}
+
 /// Length of a frame, if all its flags are known.
 fn frame_len(frame: &[u8]) -> Option<usize> {
     claimed_len(frame).filter(|_| frame[0] == STX_V1 || frame[2] <= 1)
@@ -256,6 +269,7 @@ fn of_nothing_found(head: &[u8]) -> Kind {
     let other = OTHERS.iter().find(|(magic, _)| head.starts_with(magic));
     match other {
         Some(&(_, kind)) => kind,
+        None if begins_with_frames(head) => Kind::Raw,
         None if is_within_record(head) => Kind::Cut,
         None => Kind::Unknown,
     }

@@ -63,6 +63,20 @@ fn whole_logs_are_told_apart() {
 }
 
 #[test]
+fn frames_of_other_definitions_are_a_raw_stream() {
+    let other = |seq: u8| {
+        let mut body = vec![3, seq, 1, 1, 180, seq, 0, 60];
+        let checksum = crate::x25::checksum(&[&body[..], &[5]].concat());
+        body.extend(checksum.to_le_bytes());
+        [&[STX_V1], &body[..]].concat()
+    };
+    let stream: Vec<u8> = (0..20).flat_map(other).collect();
+    assert_eq!(identify(&stream), Kind::Raw);
+    assert_eq!(identify(&stream[..4 * 11]), Kind::Raw);
+    assert_eq!(identify(&stream[..4 * 11 - 1]), Kind::Unknown);
+}
+
+#[test]
 fn damage_in_front_changes_no_kind() {
     let logs = [
         (tlog(V1, 3000), Kind::Tlog),
