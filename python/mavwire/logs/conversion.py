@@ -52,9 +52,8 @@ BATCH_BYTES = 32 << 20
 OUTPUT = 2
 """Increase it when the same options give other files, so that old files are made anew."""
 INTERNAL = (
-    "unknown",
+    "unknown_ids",
     "descriptions",
-    "tells_unknown",
     "batch_rows",
     "batch_bytes",
     "foreign",
@@ -173,6 +172,7 @@ def prepare(
 def _asked(selection: Selection) -> dict[str, Any]:
     """The options of a user. Lists are sorted where the order makes no difference."""
     how = {name: one for name, one in asdict(selection).items() if name not in INTERNAL}
+    how["unknown"] = selection.unknown == "table"  # the other words make no difference to files
     for name in ("types", "names", "systems"):
         how[name] = None if how[name] is None else sorted(set(how[name]))
     return how

@@ -182,7 +182,7 @@ def check_records(
     """
     position, bad_bytes, damage, unknown = run.progress()
     check_run(path if source is None else source, path, position, bad_bytes, damage)
-    if selection.tells_unknown:
+    if selection.unknown is None:
         warn_unknown(unknown, path)
 
 
@@ -224,7 +224,7 @@ def scan(
     selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
     begin = partial(batches, every, surveys, native, selection)
     one_type = selection.names is not None and len(selection.names) == 1
-    one_type = one_type and not selection.unknown_table
+    one_type = one_type and selection.unknown != "table"
     empty = partial(empty_of, every, surveys, module, native, selection) if one_type else None
     return Batches(begin, empty)
 

@@ -37,7 +37,7 @@ class Selection:
     """The attributes that `LogColumns` and `Converter` read; None means all."""
 
     types: list[int] | None = None
-    unknown: list[int] | None = None
+    unknown_ids: list[int] | None = None
     """Ids that the dialect lacks, for logs that are rewritten: they have no table."""
     names: list[str] | None = None
     """Record types of dataflash logs."""
@@ -49,9 +49,8 @@ class Selection:
     enum_names: bool = False
     invalid: str = "keep"
     """"null" or "keep"."""
-    unknown_table: bool = False
-    """Messages that the dialect does not define become a table."""
-    tells_unknown: bool = True
+    unknown: str | None = None
+    """Messages that the dialect does not define: "table" makes a table of them, "ignore" says nothing."""
     csv_safe: bool = False
     """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     descriptions: dict[str, tuple[str, dict[str, str]]] | None = None
@@ -95,9 +94,8 @@ class Selection:
             raise ValueError(f"start is a time before end, not {start!r} with {end!r}")
         return cls(
             types=ids,
-            unknown=None if unknown == "table" else unknown_ids,
-            unknown_table=unknown == "table",
-            tells_unknown=unknown is None,
+            unknown_ids=None if unknown == "table" else unknown_ids,
+            unknown=unknown,
             names=None if wanted is None else [_name_of(one) for one in wanted],
             systems=None if systems is None else [system_of(one) for one in several(systems)],
             start=first,

@@ -35,7 +35,7 @@ pub(crate) struct Query {
     types: Option<Vec<u32>>,
     /// Ids that the dialect lacks; `None` for all of them.
     #[pyo3(from_py_with = optional_list)]
-    unknown: Option<Vec<u32>>,
+    unknown_ids: Option<Vec<u32>>,
     /// The same for dataflash logs: names of record types.
     #[pyo3(from_py_with = optional_list)]
     pub(crate) names: Option<Vec<String>>,
@@ -54,8 +54,8 @@ pub(crate) struct Query {
     pub(crate) csv_safe: bool,
     /// Texts for the schemas of MCAP files.
     pub(crate) descriptions: Option<Descriptions>,
-    /// Messages that the dialect does not define become a table.
-    unknown_table: bool,
+    /// What becomes of messages that the dialect does not define: `"table"` makes a table of them.
+    unknown: Option<String>,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
     batch_rows: Option<usize>,
     /// Bytes that all batches under way may have.
@@ -80,7 +80,7 @@ impl Query {
         let systems = self.systems.as_ref();
         Wanted {
             types,
-            unknown: self.unknown.clone(),
+            unknown: self.unknown_ids.clone(),
             names: self.names.clone(),
             systems: systems.map(|ids| {
                 Box::new(std::array::from_fn(|id| ids.iter().any(|&one| usize::from(one) == id)))
@@ -107,7 +107,8 @@ impl Query {
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
             ..Limits::NONE
         };
-        let (wanted, unknown_table) = (self.wanted(dialect), self.unknown_table);
+        let unknown_table = self.unknown.as_deref() == Some("table");
+        let wanted = self.wanted(dialect);
         Plan { wanted, options: self.options(), limits, unknown_table, size }
     }
 
