@@ -235,6 +235,9 @@ class Dialect:
     def messages(self) -> list[tuple[str, int]]:
         """`[(name, id), ...]` in the dialect's order."""
 
+    def defines(self, msgid: int, crc_extra: int) -> bool:
+        """Whether frames of a message id with this `crc_extra` are messages, also of an earlier layout."""
+
     def message_class(self, name: str) -> type[Any]:
         """The message class of an upper-case name, made on first use; KeyError if there is none."""
 

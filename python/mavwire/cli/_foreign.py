@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import os
 from contextlib import closing
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavwire._log_link import open_link
 from mavwire._native import LogKind, identify
 from mavwire.cli._errors import tell
+
+if TYPE_CHECKING:
+    from mavwire.logs.dialect import Dialects
 
 DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
@@ -47,7 +49,9 @@ def warn_if_foreign(
     return is_foreign
 
 
-def warn_without_records(command: str, path: str, dialect: str, name: str | None = None) -> bool:
+def warn_without_records(
+    command: str, path: str, dialect: Dialects, name: str | None = None
+) -> bool:
     """Warn of a log in which a command that reads logs of any kind as tables found no record. Returns
     whether the file is no log.
     """
@@ -67,7 +71,7 @@ def _say(command: str, said: str, path: str, name: str | None) -> None:
     tell(f"mavwire {command}: {said}: {name or path!r}")
 
 
-def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
+def _lacking(path: str, dialect: Dialects) -> tuple[str, bool]:
     """Why there is no record in a file, and whether that is since it is no log; nothing where there
     is one.
     """

@@ -111,7 +111,7 @@ def merged(modules: list[ModuleType]) -> ModuleType:
     from mavwire._native import Dialect
 
     first, *others = (module.MAVLink(None)._dialect for module in modules)
-    name = "_".join(module.DIALECT for module in modules)
+    name = "+".join(module.DIALECT for module in modules)
     return _loaded(Dialect.merged(first, others), name) if others else modules[0]
 
 

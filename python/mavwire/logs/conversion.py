@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import Converter
@@ -52,6 +52,7 @@ BATCH_BYTES = 32 << 20
 OUTPUT = 2
 """Increase it when the same options give other files, so that old files are made anew."""
 INTERNAL = (
+    "dialect",
     "unknown_ids",
     "descriptions",
     "batch_rows",
@@ -171,7 +172,7 @@ def prepare(
 
 def _asked(selection: Selection) -> dict[str, Any]:
     """The options of a user. Lists are sorted where the order makes no difference."""
-    how = {name: one for name, one in asdict(selection).items() if name not in INTERNAL}
+    how = {name: one for name, one in vars(selection).items() if name not in INTERNAL}
     how["unknown"] = selection.unknown == "table"  # the other words make no difference to files
     for name in ("types", "names", "systems"):
         how[name] = None if how[name] is None else sorted(set(how[name]))

@@ -183,7 +183,7 @@ def check_records(
     position, bad_bytes, damage, unknown = run.progress()
     check_run(path if source is None else source, path, position, bad_bytes, damage)
     if selection.unknown is None:
-        warn_unknown(unknown, path)
+        warn_unknown(unknown, path, selection.dialect)
 
 
 @takes(Query, "systems", "fields", "start", "end")

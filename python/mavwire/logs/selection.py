@@ -36,6 +36,8 @@ HEADER = ("timestamp", "sysid", "compid", "seq")
 class Selection:
     """The attributes that `LogColumns` and `Converter` read; None means all."""
 
+    dialect: Any = None
+    """The module, for texts."""
     types: list[int] | None = None
     unknown_ids: list[int] | None = None
     """Ids that the dialect lacks, for logs that are rewritten: they have no table."""
@@ -93,6 +95,7 @@ class Selection:
         if first is not None and behind is not None and first >= behind:
             raise ValueError(f"start is a time before end, not {start!r} with {end!r}")
         return cls(
+            dialect=dialect,
             types=ids,
             unknown_ids=None if unknown == "table" else unknown_ids,
             unknown=unknown,

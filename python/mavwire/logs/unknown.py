@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import struct
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Literal
+
+from mavwire.dialects import UPSTREAM, names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    Counts = Mapping[tuple[int, int] | None, int] | Mapping[tuple[int, int | None] | None, int]
 
 _STAMP = struct.Struct(">Q")
 SHOWN = 8
@@ -19,10 +26,10 @@ class UnknownMessageWarning(UserWarning):
     """A log has messages that the dialect does not define, so that no table holds them."""
 
 
-def warn_unknown(counts: Mapping[tuple[int, int] | None, int], path: str) -> None:
-    """Warn of the messages of a log that the dialect does not define, as `LogColumns.unknown` counts them."""
+def warn_unknown(counts: Counts, path: str, dialect: Any) -> None:
+    """Warn of the messages of a log that the dialect, a module, does not define, as `LogColumns.unknown` counts them."""
     if counts:
-        text = f"{path}: left out {unknown_text(named(counts))}"
+        text = f"{path}: left out: {unknown_text(counts, dialect, 'argument')}"
         warnings.warn(text, UnknownMessageWarning, stacklevel=3)
 
 
@@ -79,12 +86,67 @@ def named(counts: Mapping[tuple[int, int] | None, int]) -> dict[str, int]:
     return dict(sorted(texts.items(), key=lambda row: -row[1]))
 
 
-def unknown_text(counts: Mapping[str, int]) -> str:
-    """The text about messages that were left out, with advice."""
-    shown = [f"{count:,} of {kind}" for kind, count in list(counts.items())[:SHOWN]]
-    if len(counts) > SHOWN:
-        shown.append(f"{sum(list(counts.values())[SHOWN:]):,} others")
-    return (
-        f"{sum(counts.values()):,} messages that the dialect does not define ({', '.join(shown)}):"
-        " name a dialect or an XML file that does"
+def counts_of(told: Mapping[str, int]) -> dict[tuple[int, int] | None, int]:
+    """The counts that `named` gave texts for."""
+    numbers = ((re.findall(r"\d+", text), count) for text, count in told.items())
+    return {(int(kind[0]), int(kind[1])) if kind else None: count for kind, count in numbers}
+
+
+def unknown_text(
+    counts: Counts,
+    dialect: Any,
+    way: Literal["options", "option", "argument"] = "options",
+) -> str:
+    """The text about messages that a dialect, a module, does not define, with advice.
+
+    Kinds are an id with the CRC_EXTRA of its definition, if that is known. `way` says how users name dialects: in
+    options of a command that may be repeated, in one option, or in the argument `dialect` of a function.
+    """
+    from mavwire.dialects.v20 import upstream
+
+    kinds = sorted(counts.items(), key=lambda row: -row[1])
+    groups: dict[tuple[bool, bool], Counter[str]] = {}
+    for kind, count in [*kinds[:SHOWN], *((None, count) for _, count in kinds[SHOWN:])]:
+        is_known, text = _kind_text(kind, dialect)
+        in_upstream = kind is not None and _defines(upstream, *kind)
+        groups.setdefault((is_known, in_upstream), Counter())[text] += count
+    return "; ".join(
+        f"{', '.join(f'{count:,} messages of {text}' for text, count in texts.items())}"
+        f"{'' if is_known else f' are not in the dialect {dialect.DIALECT}'}:"
+        f" {_advice(dialect.DIALECT, is_known, in_upstream, way)}"
+        for (is_known, in_upstream), texts in groups.items()
     )
+
+
+def _kind_text(kind: tuple[int, int | None] | None, dialect: Any) -> tuple[bool, str]:
+    """Whether a dialect defines an id with another CRC_EXTRA, and the text of this kind."""
+    if kind is None:
+        return False, "other kinds"
+    msgid, crc_extra = kind
+    known = dialect.mavlink_map.get(msgid)
+    if known is None:
+        return False, f"id {msgid}"
+    other = f"have another definition (CRC_EXTRA {crc_extra})"
+    return True, f"id {msgid} {other} than {known.msgname} of {dialect.DIALECT}"
+
+
+def _defines(dialect: Any, msgid: int, crc_extra: int | None) -> bool:
+    if crc_extra is None:
+        return msgid in dialect.mavlink_map
+    return bool(dialect.MAVLink(None)._dialect.defines(msgid, crc_extra))
+
+
+def _advice(name: str, is_known: bool, in_upstream: bool, way: str) -> str:
+    given = [one if one in names() else f"{one}.xml" for one in name.split("+")]
+    if in_upstream:  # which has all that the other built-in dialects have
+        xml = [one for one in given if one not in names()]
+        return f"try `{_naming([*xml, UPSTREAM], way)}`"
+    if is_known:
+        return f"add it with `{_naming([*given, 'FILE.xml'], way)}`"
+    return "name a dialect or an XML file that has it"
+
+
+def _naming(given: list[str], way: str) -> str:
+    if way == "argument":
+        return f"dialect={json.dumps(given if len(given) > 1 else given[0])}"
+    return " ".join(f"--dialect {one}" for one in (given if way == "options" else given[-1:]))

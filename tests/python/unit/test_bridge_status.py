@@ -19,6 +19,7 @@ from mavwire.cli._values import factor, size
 from mavwire.cli.bridge import _bridge_warnings
 from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows, unknown
 from mavwire.cli.bridge.bridge import _watch, listen_address
+from mavwire.dialects.v20 import upstream
 from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
 
@@ -68,11 +69,12 @@ def test_messages_that_the_dialect_does_not_define_are_told() -> None:
         {"id": 180, "crc_extra": 5, "frames": 17},
         {"id": None, "crc_extra": None, "frames": 2},
     ]
-    assert unknown(stats(2.0, unknown=kinds)) == [
-        "gcs: 19 messages that the dialect does not define (17 of id 180 with CRC_EXTRA 5, 2 of other kinds): "
-        "name a dialect or an XML file that does"
+    assert unknown(stats(2.0, unknown=kinds), upstream) == [
+        "gcs: 17 messages of id 180 have another definition (CRC_EXTRA 5) than CAMERA_FEEDBACK of upstream: "
+        "add it with `--dialect upstream --dialect FILE.xml`; "
+        "2 messages of other kinds are not in the dialect upstream: name a dialect or an XML file that has it"
     ]
-    assert unknown(stats(2.0)) == []
+    assert unknown(stats(2.0), upstream) == []
 
 
 def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None:

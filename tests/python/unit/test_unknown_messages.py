@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 import warnings
 from pathlib import Path
 
@@ -12,13 +13,15 @@ import pyarrow.parquet as pq
 import pytest
 from mavwire import cli, dialects
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.dialects.v20 import upstream
+from mavwire.dialects.v20 import common, upstream
 from mavwire.logs import UnknownMessageWarning
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import MANIFEST
+from mavwire.logs.unknown import counts_of, named, unknown_text
 
 T0 = 1_700_000_000_000_000
 KIND = "id 180 with CRC_EXTRA 5"
+OTHER = "17 messages of id 180 have another definition (CRC_EXTRA 5) than CAMERA_FEEDBACK of upstream: add it with "
 
 
 def frame(msgid: int, crc_extra: int, payload: bytes, seq: int, system: int = 1) -> bytes:
@@ -51,7 +54,7 @@ def test_convert_counts_them(
     out = tmp_path / "out"
     assert cli.main(["convert", str(vendor), "-o", str(out)]) == 0
     told = capsys.readouterr().err
-    assert f"left out 17 messages that the dialect does not define (17 of {KIND})" in told
+    assert f"left out: {OTHER}`--dialect upstream --dialect FILE.xml`\n" in told
     (row,) = json.loads((out / MANIFEST).read_text())["logs"]
     assert row["unknown"] == {KIND: 17}
 
@@ -69,7 +72,7 @@ def test_other_systems_and_times_leave_nothing_out(tmp_path: Path) -> None:
         tmp_path / "two.tlog",
         *(frame(180, 5, bytes([n, 0, 60]), n, system=1 + n % 2) for n in range(40)),
     )
-    with pytest.warns(UnknownMessageWarning, match=f"17 of {KIND}"):
+    with pytest.warns(UnknownMessageWarning, match="17 messages of id 180 have another definition"):
         mavwire.read(path, systems=[1])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -88,7 +91,9 @@ def test_info_merges_the_kinds_of_an_id(tmp_path: Path) -> None:
 
 
 def test_read_and_scan_warn(vendor: Path) -> None:
-    with pytest.warns(UnknownMessageWarning, match=f"17 of {KIND}"):
+    with pytest.warns(
+        UnknownMessageWarning, match=re.escape(OTHER + '`dialect=["upstream", "FILE.xml"]`')
+    ):
         assert mavwire.read(vendor).keys() == {"HEARTBEAT"}
     with pytest.warns(UnknownMessageWarning, match="vendor.tlog"):
         assert [table.name for table in mavwire.scan(vendor)] == ["HEARTBEAT"]
@@ -99,7 +104,7 @@ def test_info_says_which(vendor: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert info.unknown == {(180, 5): 17}
     assert info.types["UNKNOWN_180"].messages == 17
     assert cli.main(["info", str(vendor)]) == 0
-    assert f"17 messages that the dialect does not define (17 of {KIND})" in capsys.readouterr().out
+    assert f"{OTHER}`--dialect upstream --dialect FILE.xml`\n" in capsys.readouterr().out
     cli.main(["info", "--json", str(vendor)])
     assert json.loads(capsys.readouterr().out)["unknown"] == {KIND: 17}
 
@@ -112,14 +117,51 @@ def test_messages_and_counts_are_the_same(vendor: Path) -> None:
 
 
 def test_a_text_names_the_most_frequent_kinds() -> None:
-    from mavwire.logs.unknown import named, unknown_text
-
-    counts = {(1000 + one, 7): 10 - one for one in range(10)}
-    assert unknown_text(named(counts)).startswith(
-        "55 messages that the dialect does not define (10 of id 1000 with CRC_EXTRA 7, 9 of id 1001"
+    counts = {(1_000_000 + one, 7): 10 - one for one in range(10)}
+    text = unknown_text(counts, upstream)
+    assert text.startswith("10 messages of id 1000000, 9 messages of id 1000001, ")
+    assert text.endswith(
+        ", 3 messages of other kinds are not in the dialect upstream:"
+        " name a dialect or an XML file that has it"
     )
-    assert "3 others)" in unknown_text(named(counts))
-    assert named({None: 3, (5, 6): 1}) == {"other kinds": 3, "id 5 with CRC_EXTRA 6": 1}
+    told = named({None: 3, (5, 6): 1})
+    assert told == {"other kinds": 3, "id 5 with CRC_EXTRA 6": 1}
+    assert counts_of(told) == {None: 3, (5, 6): 1}
+
+
+def test_a_text_advises_by_kind(tmp_path: Path) -> None:
+    dialect = tmp_path / "vendor.xml"
+    dialect.write_text(VENDOR)
+    vendor = dialects.load(dialect)
+    both = dialects.merged([vendor, upstream])
+    event = "4,000 messages of id 410 are not in the dialect"
+    try_upstream = "try `--dialect upstream`"
+    for counts, module, text in [
+        ({(410, 160): 4000}, common, f"{event} common: {try_upstream}"),
+        ({(410, None): 4000}, common, f"{event} common: {try_upstream}"),
+        (
+            {(410, 160): 4000},
+            vendor,
+            f"{event} vendor: try `--dialect vendor.xml --dialect upstream`",
+        ),
+        ({(410, 3): 4000}, common, f"{event} common: name a dialect or an XML file that has it"),
+        (
+            {(149, 15): 1},
+            common,
+            "1 messages of id 149 have another definition (CRC_EXTRA 15) than LANDING_TARGET of common: "
+            + try_upstream,
+        ),
+        (
+            {(0, 1): 1},
+            both,
+            "1 messages of id 0 have another definition (CRC_EXTRA 1) than HEARTBEAT of vendor+upstream: "
+            "add it with `--dialect vendor.xml --dialect upstream --dialect FILE.xml`",
+        ),
+    ]:
+        assert unknown_text(counts, module) == text
+    kinds: dict[tuple[int, int | None] | None, int] = {(410, 160): 4000}
+    assert unknown_text(kinds, common, "argument").endswith('try `dialect="upstream"`')
+    assert "id 180 have another" in unknown_text({(180, 5): 2, **kinds}, mavlink)
 
 
 def test_an_earlier_layout_is_a_message(tmp_path: Path) -> None:
@@ -184,7 +226,7 @@ def test_a_later_dialect_decodes_the_table(
     saved = out / "mavwire.unknown" / f"flight.{format}"
     again = ["convert", "--from-unknown", str(saved), "-o", str(later)]
     assert cli.main(again) == 0
-    assert "of id 180 with CRC_EXTRA" in capsys.readouterr().err
+    assert "messages of id 180 have another definition" in capsys.readouterr().err
     assert cli.main([*again, "--dialect", str(dialect)]) == 0
     (row,) = json.loads((later / MANIFEST).read_text())["logs"]
     assert row["files"] == {f"VENDOR_STATE/flight.{format}.parquet": 17}

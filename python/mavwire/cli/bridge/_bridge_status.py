@@ -11,7 +11,7 @@ from mavwire._signals import handled
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli.bridge._bridge_warnings import full_name, losses
-from mavwire.logs.unknown import named, unknown_text
+from mavwire.logs.unknown import unknown_text
 
 if TYPE_CHECKING:
     from mavwire.bridge import Bridge
@@ -92,7 +92,11 @@ class StatusTable:
 
         before, self._before = self._before, stats
         width = self._console.width
-        lines = [*link_errors(stats), *unknown(stats), *(loss.line for loss in losses(stats))]
+        lines = [
+            *link_errors(stats),
+            *unknown(stats, self._bridge.dialect),
+            *(loss.line for loss in losses(stats)),
+        ]
         return Group(
             *_table(LINK_COLUMNS, link_rows(stats, before), 2, width),
             *(Text(printable(line)) for line in lines),
@@ -169,7 +173,7 @@ def link_errors(stats: dict[str, Any]) -> list[str]:
     return [f"{full_name(one)}: {one['error']}" for one in stats["links"] if one["error"]]
 
 
-def unknown(stats: dict[str, Any]) -> list[str]:
+def unknown(stats: dict[str, Any], dialect: Any) -> list[str]:
     """A line for each link and peer with frames that the dialect does not define."""
     lines = []
     for one in stats["links"]:
@@ -178,7 +182,7 @@ def unknown(stats: dict[str, Any]) -> list[str]:
             key = None if kind["id"] is None else (kind["id"], kind["crc_extra"])
             counts[key] = kind["frames"]
         if counts:
-            lines.append(f"{full_name(one)}: {unknown_text(named(counts))}")
+            lines.append(f"{full_name(one)}: {unknown_text(counts, dialect)}")
     return lines
 
 

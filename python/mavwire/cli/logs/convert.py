@@ -21,7 +21,8 @@ from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._values import split, systems_of, time_of
-from mavwire.logs.unknown import unknown_text
+from mavwire.logs.dialect import dialect_module
+from mavwire.logs.unknown import counts_of, unknown_text
 
 if TYPE_CHECKING:
     from mavwire.logs.manifest import Converted
@@ -106,7 +107,8 @@ def main(args: argparse.Namespace) -> int:
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
             tell(f"mavwire convert: {row.path}: {row.error}{hint}")
         if row.unknown and not row.skipped and args.unknown is None:
-            tell(f"mavwire convert: {row.path}: left out {unknown_text(row.unknown)}")
+            text = unknown_text(counts_of(row.unknown), dialect_module(args.dialect))
+            tell(f"mavwire convert: {row.path}: left out: {text}")
         nothing = not row.files and (row.error is not None or undescribed)
         if not args.quiet and not nothing:
             done = "converted before" if row.skipped else "converted"

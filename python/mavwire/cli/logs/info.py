@@ -26,6 +26,7 @@ from mavwire.logs.selection import DAY, YEAR
 from mavwire.logs.unknown import named, unknown_text
 
 if TYPE_CHECKING:
+    from mavwire.logs.dialect import Dialects
     from mavwire.logs.summary import LogInfo
 
 LISTED = 5
@@ -43,6 +44,8 @@ class Summary:
     """Duration of reading."""
     telemetry: bool
     """Whether it is a telemetry log, which alone has senders."""
+    dialect: Any = None
+    """The module that a telemetry log was read with."""
 
     @property
     def times(self) -> tuple[float, float] | None:
@@ -118,10 +121,10 @@ def _telemetry_lines(info: LogInfo) -> list[str]:
     ]
 
 
-def _place_lines(info: LogInfo) -> list[str]:
+def _place_lines(info: LogInfo, dialect: Any) -> list[str]:
     lines = []
     if info.unknown:
-        lines.append(f"  unknown  {unknown_text(named(info.unknown))}")
+        lines.append(f"  unknown  {unknown_text(info.unknown, dialect)}")
     if info.bad:
         places = ", ".join(f"{length:,} at {offset:,}" for offset, length in info.bad[:LISTED])
         more = ", ..." if info.bad_count > LISTED else ""
@@ -187,7 +190,7 @@ def table(summary: Summary) -> str:
         lost,
         f"  bad      {info.bad_bytes:,} bytes in {info.bad_count:,} pieces",
         mavlink,
-        *_place_lines(info),
+        *_place_lines(info, summary.dialect),
         f"  file     cut off or damaged: {printable(info.damage)}" if info.damage else "",
         f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
     ]
@@ -245,7 +248,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     return True
 
 
-def read(path: str, dialect: str | list[str] = UPSTREAM, name: str | None = None) -> Summary:
+def read(path: str, dialect: Dialects = UPSTREAM, name: str | None = None) -> Summary:
     """Count a log, which is called `name`. OSError for a file that cannot be read, ValueError for a
     file that is not a log.
     """
@@ -264,4 +267,5 @@ def read(path: str, dialect: str | list[str] = UPSTREAM, name: str | None = None
     finally:
         progress.finish()
     info = replace(info, path=name or path)
-    return Summary(info, size, time.perf_counter() - began, isinstance(log, TelemetryLog))
+    seconds, is_telemetry = time.perf_counter() - began, isinstance(log, TelemetryLog)
+    return Summary(info, size, seconds, is_telemetry, getattr(log, "dialect", None))

@@ -247,6 +247,13 @@ impl Dialect {
         self.registry.own_messages().iter().map(|m| (m.name.as_str(), m.id)).collect()
     }
 
+    /// Whether frames of a message id with this `crc_extra` are messages, also of an earlier layout.
+    fn defines(&self, msgid: u32, crc_extra: u8) -> bool {
+        let entry = self.registry.lookup(msgid);
+        entry.is_some_and(|entry| entry.crc_extra == crc_extra)
+            || self.registry.other(msgid, crc_extra).is_some()
+    }
+
     /// The message class of an upper-case name, or `KeyError`.
     fn message_class(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyType>> {
         let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
