@@ -15,6 +15,7 @@ __all__ = ["Kind", "decompressed", "fetch"]
 MAX_BYTES = 16 * 1024 * 1024
 """Larger files are refused, compressed or not."""
 
+MFTP = "mftp://"
 _XZ_MAGIC = b"\xfd7zXZ\x00"
 _XZ_MEMORY = 256 * 1024 * 1024
 _COMPONENT_METADATA = 397
@@ -61,23 +62,25 @@ def fetch(link: Any, kind: Kind, timeout: float = 10.0) -> bytes:
 
 
 def uri_of(general: bytes, kind: Kind) -> str:
-    """Where a general file says that the file of a kind is. LookupError; ValueError."""
+    """Where a general file says that the file of a kind is: on the vehicle, if one of its two places is. LookupError;
+    ValueError.
+    """
     try:
         offers = {
-            offer["type"]: str(offer["uri"])
+            offer["type"]: [str(offer["uri"]), str(offer.get("uriFallback", ""))]
             for offer in json.loads(decompressed(general))["metadataTypes"]
         }
     except (LookupError, TypeError, AttributeError, ValueError, RecursionError) as error:
         raise ValueError(f"the vehicle's general metadata cannot be read: {error!r}") from None
     if kind not in offers:
         raise LookupError(f"the vehicle offers no metadata of the kind {kind.name.lower()}")
-    return offers[kind]
+    return next((uri for uri in offers[kind] if uri.startswith(MFTP)), offers[kind][0])
 
 
 def path_of(uri: str) -> str:
     """The path in a MAVFTP URI, `mftp://[;comp=ID]/PATH`. LookupError for others."""
-    scheme, separator, path = uri.partition("://")
-    if not separator or scheme != "mftp":
+    path = uri.removeprefix(MFTP)
+    if path == uri:
         raise LookupError(f"the metadata is not on the vehicle: download {uri} and name the file")
     if path.startswith("[;"):
         path = path.partition("]")[2]

@@ -110,6 +110,9 @@ def test_metadata_that_is_elsewhere_is_named() -> None:
     assert uri_of(lzma.compress(general), Kind.EVENTS) == "https://x.y/e.xz"
     with pytest.raises(LookupError, match="download https://x.y/e.xz"):
         path_of(uri_of(general, Kind.EVENTS))
+    offer = {"type": 4, "uri": "https://x.y/e.xz", "uriFallback": "mftp:///etc/e.xz"}
+    both = json.dumps({"metadataTypes": [offer]}).encode()
+    assert path_of(uri_of(both, Kind.EVENTS)) == "/etc/e.xz"
     with pytest.raises(LookupError, match="no metadata of the kind parameter"):
         uri_of(general, Kind.PARAMETER)
     with pytest.raises(ValueError, match="general metadata"):
