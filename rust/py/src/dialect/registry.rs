@@ -129,6 +129,13 @@ impl Dialect {
         self.classes[usize::from(index)].get()
     }
 
+    /// Whether it made this class, which is that of the message with the id.
+    #[inline]
+    pub(crate) fn made(&self, class: &Bound<'_, PyType>, msgid: u32) -> bool {
+        let known = self.registry.lookup(msgid).and_then(|entry| self.known_class(entry.index));
+        known.is_some_and(|known| known.class.is(class))
+    }
+
     /// The class of the message with this index, made if it is the first use.
     #[inline]
     pub(crate) fn class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {

@@ -14,45 +14,24 @@ use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::python::number;
 
-/// A payload at its full length, extension fields included.
-pub(crate) struct Payload {
-    bytes: [u8; 255],
-    len: usize,
+/// Bytes of a payload in a version, before zeros at the end are cut off: extension fields are never sent in version 1.
+#[inline]
+pub(crate) fn payload_len(definition: &Definition, version: WireVersion) -> usize {
+    usize::from(match version {
+        WireVersion::V1 => definition.min_len,
+        WireVersion::V2 => definition.max_len,
+    })
 }
 
-impl Payload {
-    #[inline]
-    pub(crate) fn zeroed(definition: &Definition) -> Self {
-        Self { bytes: [0; 255], len: usize::from(definition.max_len) }
+/// Encodes the value of a field into a payload; `None` if `struct` has to judge it.
+#[inline(always)]
+#[allow(clippy::inline_always)] // measured: a call for each field is a tenth of sending a message
+pub(crate) fn put(payload: &mut [u8], place: Place, value: Borrowed<'_, '_, PyAny>) -> Option<()> {
+    let out = payload.get_mut(usize::from(place.offset)..)?;
+    if place.array_length == 0 && place.field_type != FieldType::Char {
+        return put_scalar(place.field_type, value, out);
     }
-
-    /// The payload of a received frame, extended with zeros or cut to the definition's length.
-    pub(crate) fn extended(definition: &Definition, received: &[u8]) -> Self {
-        let mut payload = Self::zeroed(definition);
-        let len = received.len().min(payload.len);
-        payload.bytes[..len].copy_from_slice(&received[..len]);
-        payload
-    }
-
-    /// The bytes that a version carries, before zeros at the end are cut off: extension fields are never sent in version 1.
-    #[inline]
-    pub(crate) fn sent(&self, definition: &Definition, version: WireVersion) -> &[u8] {
-        match version {
-            WireVersion::V1 => &self.bytes[..usize::from(definition.min_len)],
-            WireVersion::V2 => &self.bytes[..self.len],
-        }
-    }
-
-    /// Encodes the value of a field; `None` if `struct` has to judge it.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // measured: a call for each field is a tenth of sending a message
-    pub(crate) fn put(&mut self, place: Place, value: Borrowed<'_, '_, PyAny>) -> Option<()> {
-        let out = self.bytes.get_mut(usize::from(place.offset)..)?;
-        if place.array_length == 0 && place.field_type != FieldType::Char {
-            return put_scalar(place.field_type, value, out);
-        }
-        put_many(place, value, out.get_mut(..place.wire_len())?)
-    }
+    put_many(place, value, out.get_mut(..place.wire_len())?)
 }
 
 #[inline(never)]
@@ -117,7 +96,7 @@ pub(crate) fn encode_by_struct<'py>(
     message: &Bound<'py, Message>,
     info: &Info,
     value: impl Fn(usize) -> PyResult<Bound<'py, PyAny>>,
-) -> PyResult<Payload> {
+) -> PyResult<Bound<'py, PyBytes>> {
     let py = message.py();
     let mut values = Vec::new();
     for &index in &info.definition.wire_order {
@@ -133,5 +112,5 @@ pub(crate) fn encode_by_struct<'py>(
     }
     let layout = message.get_type().getattr(intern!(py, "unpacker"))?;
     let packed = layout.invoke_method1(intern!(py, "pack"), PyTuple::new(py, values)?)?;
-    Ok(Payload::extended(&info.definition, packed.cast::<PyBytes>()?.as_bytes()))
+    Ok(packed.cast_into::<PyBytes>()?)
 }

@@ -18,7 +18,7 @@ use crate::protocol::peer_check;
 use crate::protocol::send;
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, truth};
+use crate::python::calling::truth;
 use crate::python::instance_dict::generic_setattr;
 use crate::python::lists::{bytes, bytes_like};
 use crate::sync::lock::Lock;
@@ -317,15 +317,7 @@ impl MAVLink {
         mavmsg: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<()> {
-        let py = slf.py();
-        let kwargs = PyDict::new(py);
-        kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
-        send::in_turn(slf, || {
-            let frame = mavmsg.invoke_method(intern!(py, "pack"), (slf,), Some(&kwargs))?;
-            let len = frame.len()?;
-            Ok((frame, len))
-        })?;
-        slf.get().send_callback.call(slf, mavmsg)
+        send::send(slf, mavmsg, force_mavlink1)
     }
 
     /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:

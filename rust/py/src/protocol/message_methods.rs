@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
 use mavwire_core::frame::Header;
 
@@ -203,7 +203,7 @@ impl Message {
         slf: &Bound<'py, Self>,
         mav: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Bound<'py, PyBytes>> {
         pack::pack_message(slf, mav, force_mavlink1)
     }
 
@@ -215,8 +215,8 @@ impl Message {
         crc_extra: u8,
         payload: &[u8],
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        pack::pack_payload(slf, mav, crc_extra, |_| payload, force_mavlink1)
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
     }
 
     /// Appends a signature to the packed frame and advances the signing timestamp.

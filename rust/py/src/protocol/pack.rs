@@ -8,7 +8,7 @@ use pyo3::types::{PyBytes, PyDict};
 use pyo3::{Borrowed, ffi};
 
 use crate::dialect::registry::Dialect;
-use crate::message::encode::{self, Payload};
+use crate::message::encode;
 use crate::message::info::Info;
 use crate::message::meta;
 use crate::message::object::{Message, flags, instance_dict};
@@ -36,54 +36,97 @@ fn sender_of<'py>(mav: &Bound<'py, PyAny>) -> PyResult<Sender<'py>> {
     })
 }
 
+/// Whether `message.pack` is mavwire's own method.
+pub(crate) fn is_own(message: &Bound<'_, Message>) -> PyResult<bool> {
+    let (py, name) = (message.py(), intern!(message.py(), "pack"));
+    let own = py.get_type::<Message>().getattr(name)?;
+    let is_replaced = message.get().has(flags::DICT) && instance_dict(message)?.contains(name)?;
+    Ok(!is_replaced && message.get_type().getattr(name)?.is(&own))
+}
+
 /// `message.pack(mav, force_mavlink1)`
 pub(crate) fn pack_message<'py>(
     message: &Bound<'py, Message>,
     mav: &Bound<'py, PyAny>,
     force_mavlink1: bool,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyBytes>> {
     let Some(info) = message.get().info else {
         let text = "MAVLink_message cannot be serialized directly";
         return Err(PyNotImplementedError::new_err(text));
     };
-    let payload = payload(message, info)?;
-    let sent = |version| payload.sent(&info.definition, version);
-    pack_payload(message, mav, info.definition.crc_extra, sent, force_mavlink1)
+    let mut frame = FrameBuffer::default();
+    put_payload(message, info, frame.payload_mut())?;
+    let definition = &info.definition;
+    let len = |version| encode::payload_len(definition, version);
+    finish(message, mav, frame, (len, definition.crc_extra), force_mavlink1)
 }
 
-/// The same with a ready payload, which may depend on the version.
-pub(crate) fn pack_payload<'a, 'py>(
+/// `message._pack(mav, crc_extra, payload, force_mavlink1)`
+pub(crate) fn pack_payload<'py>(
     message: &Bound<'py, Message>,
     mav: &Bound<'py, PyAny>,
     crc_extra: u8,
-    payload: impl FnOnce(WireVersion) -> &'a [u8],
+    payload: &[u8],
     force_mavlink1: bool,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Bound<'py, PyBytes>> {
+    let mut frame = FrameBuffer::default();
+    put_bytes(frame.payload_mut(), payload);
+    finish(message, mav, frame, (|_| payload.len(), crc_extra), force_mavlink1)
+}
+
+/// Makes the frame of the payload that is in it, whose length may depend on the version.
+fn finish<'py>(
+    message: &Bound<'py, Message>,
+    mav: &Bound<'py, PyAny>,
+    mut frame: FrameBuffer,
+    (len, crc_extra): (impl FnOnce(WireVersion) -> usize, u8),
+    force_mavlink1: bool,
+) -> PyResult<Bound<'py, PyBytes>> {
     let py = message.py();
     let msgid = match &message.get().info {
         Some(info) if !message.get().has(flags::META) => info.definition.id,
         _ => message.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId"))?.extract()?,
     };
-    let dialect = message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?;
-    let version = dialect.get().version(py, force_mavlink1)?;
-    let mut frame = FrameBuffer::default();
-    sender_of(mav)?.frame(&mut frame, msgid, payload(version), crc_extra, version)?;
+    let version = dialect_of(message, msgid, mav)?.get().version(py, force_mavlink1)?;
+    sender_of(mav)?.frame(&mut frame, msgid, len(version), crc_extra, version)?;
     let packed = PyBytes::new(py, &frame);
     meta::set_packed(message, &packed)?;
-    Ok(packed.into_any())
+    Ok(packed)
 }
 
-/// The payload at full length: straight from the frame where no field was changed.
-fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
+/// The dialect of a message's class. It is nearly always that of `mav`.
+fn dialect_of<'py>(
+    message: &Bound<'py, Message>,
+    msgid: u32,
+    mav: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, Dialect>> {
+    let (py, class) = (message.py(), message.get_type());
+    if let Ok(native) = mav.cast::<MAVLink>()
+        && let dialect = native.get().dialect.bind(py)
+        && dialect.get().made(&class, msgid)
+    {
+        return Ok(dialect.clone());
+    }
+    Ok(class.getattr(intern!(py, "_dialect"))?.cast_into()?)
+}
+
+/// Copies as many bytes as there is room for.
+fn put_bytes(payload: &mut [u8], bytes: &[u8]) {
+    let len = bytes.len().min(payload.len());
+    payload[..len].copy_from_slice(&bytes[..len]);
+}
+
+/// Writes the payload at full length: straight from the frame where no field was changed.
+fn put_payload(message: &Bound<'_, Message>, info: &Info, payload: &mut [u8]) -> PyResult<()> {
     let this = message.get();
     if this.is_pristine() && !info.has_char_scalar {
-        return Ok(Payload::extended(&info.definition, this.decoded_payload()));
+        put_bytes(payload, this.decoded_payload());
+        return Ok(());
     }
     let py = message.py();
     let written = instance_dict(message)?;
-    let mut payload = Payload::zeroed(&info.definition);
-    if put_in_order(info, &written, &mut payload).is_some() {
-        return Ok(payload);
+    if put_in_order(info, &written, payload).is_some() {
+        return Ok(());
     }
     let attribute = |i: usize| {
         let name = info.names[i].stored().bind(py);
@@ -92,12 +135,14 @@ fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
             _ => message.getattr(name),
         }
     };
-    encode::encode_by_struct(message, info, attribute)
+    let packed = encode::encode_by_struct(message, info, attribute)?;
+    put_bytes(payload, packed.as_bytes());
+    Ok(())
 }
 
 /// Encodes the fields as they stand in the instance dictionary, if they are all there in the order in which [`build`]
 /// puts them: walking over it is much quicker than looking up each. `None` if not, or if `struct` has to judge a value.
-fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut Payload) -> Option<()> {
+fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut [u8]) -> Option<()> {
     let mut position = 0;
     let mut next = || {
         let (mut key, mut value) = (std::ptr::null_mut(), std::ptr::null_mut());
@@ -114,7 +159,7 @@ fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut Payload)
         if key != names.stored().as_ptr() {
             return None;
         }
-        payload.put(place, value)?;
+        encode::put(payload, place, value)?;
         if names.raw.is_some() {
             next()?;
         }

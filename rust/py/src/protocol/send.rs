@@ -3,36 +3,79 @@
 use mavwire_core::frame::FrameBuffer;
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
-use crate::message::encode::Payload;
+use crate::message::encode;
 use crate::message::info::{Info, MessageInfo};
+use crate::message::object::Message;
 use crate::protocol::mavlink::{MAVLink, overridden};
+use crate::protocol::pack;
+use crate::protocol::sending::Sending;
 use crate::python::calling::Calling;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 
-/// Writes the frame that `pack` makes, of the length it says, before other threads write theirs.
+/// Writes frames before other threads write theirs. `pack` makes them with the sequence numbers from that of `mav` on, and
+/// gives what to write, its length, and how many frames that is.
 ///
 /// A thread that holds the lock for a second may be waiting for this one, as the program's own code may run in it. This one
 /// goes past, then.
 #[inline]
-pub(super) fn in_turn<'py>(
+fn in_turn<'py>(
     mav: &Bound<'py, MAVLink>,
-    pack: impl FnOnce() -> PyResult<(Bound<'py, PyAny>, usize)>,
-) -> PyResult<()> {
+    pack: impl FnOnce(&Sending) -> PyResult<Packed<'py>>,
+) -> PyResult<usize> {
     let (py, sending) = (mav.py(), mav.get().sending());
     let guard = sending.lock.lock(py)?;
     if guard.is_beside() {
         sending.advance(sending.seq()); // the other frame has this number
     }
-    let (frame, len) = pack()?;
-    let seq = sending.seq();
+    let Packed { bytes, len, count, last } = pack(sending)?;
     let file = mav.get().file.get(py).unwrap_or_else(|| py.None().into_bound(py));
-    file.invoke_method_with(intern!(py, "write"), &frame)?;
-    sending.advance(seq);
-    sending.count(len);
-    Ok(())
+    file.invoke_method_with(intern!(py, "write"), &bytes)?;
+    sending.advance(last);
+    sending.count(count, len);
+    Ok(count)
+}
+
+/// What one call of `write` takes.
+struct Packed<'py> {
+    bytes: Bound<'py, PyAny>,
+    len: usize,
+    /// Frames in it.
+    count: usize,
+    /// Sequence number of the last one.
+    last: i64,
+}
+
+/// `mav.send(message, force_mavlink1)`
+pub(super) fn send<'py>(
+    mav: &Bound<'py, MAVLink>,
+    message: &Bound<'py, PyAny>,
+    force_mavlink1: bool,
+) -> PyResult<()> {
+    in_turn(mav, |sending| {
+        let bytes = frame_of(message, mav, force_mavlink1)?;
+        Ok(Packed { len: bytes.len()?, bytes, count: 1, last: sending.seq() })
+    })?;
+    mav.get().send_callback.call(mav, message)
+}
+
+/// `message.pack(mav, force_mavlink1=force_mavlink1)`
+fn frame_of<'py>(
+    message: &Bound<'py, PyAny>,
+    mav: &Bound<'py, MAVLink>,
+    force_mavlink1: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = mav.py();
+    if let Ok(message) = message.cast::<Message>()
+        && pack::is_own(message)?
+    {
+        return Ok(pack::pack_message(message, mav, force_mavlink1)?.into_any());
+    }
+    let kwargs = PyDict::new(py);
+    kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
+    message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))
 }
 
 /// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the
@@ -69,7 +112,7 @@ fn send_arguments(
     let encode = format!("{}_encode", info.definition.name.to_lowercase());
     let values = PyTuple::new(py, values.iter().collect::<Vec<_>>())?;
     let message = mav.invoke_method1(encode, values)?;
-    let kwargs = pyo3::types::PyDict::new(py);
+    let kwargs = PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
     mav.invoke_method(intern!(py, "send"), (message,), Some(&kwargs))?;
     Ok(())
@@ -85,19 +128,20 @@ fn send_directly(
     let py = mav.py();
     let this = mav.get();
     let definition = &info.definition;
-    let mut payload = Payload::zeroed(definition);
+    let mut frame = FrameBuffer::default();
+    let payload = frame.payload_mut();
     for (i, &place) in info.places.iter().enumerate() {
-        if values.get(i).and_then(|value| payload.put(place, value)).is_none() {
+        if values.get(i).and_then(|value| encode::put(payload, place, value)).is_none() {
             return Ok(false);
         }
     }
     let version = this.dialect.get().version(py, force_mavlink1)?;
-    let payload = payload.sent(definition, version);
-    in_turn(mav, || {
-        let mut frame = FrameBuffer::default();
+    let payload_len = encode::payload_len(definition, version);
+    in_turn(mav, |sending| {
         let sender = this.sender(py)?;
-        sender.frame(&mut frame, definition.id, payload, definition.crc_extra, version)?;
-        Ok((PyBytes::new(py, &frame).into_any(), frame.len()))
+        sender.frame(&mut frame, definition.id, payload_len, definition.crc_extra, version)?;
+        let (bytes, len) = (PyBytes::new(py, &frame).into_any(), frame.len());
+        Ok(Packed { bytes, len, count: 1, last: sending.seq() })
     })?;
     Ok(true)
 }

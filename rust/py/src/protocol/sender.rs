@@ -19,12 +19,12 @@ pub(crate) struct Sender<'py> {
 }
 
 impl Sender<'_> {
-    /// Makes the frame of a payload at full length.
+    /// Makes the frame of the payload that is in it, of `len` bytes.
     pub(crate) fn frame(
         &self,
         frame: &mut FrameBuffer,
         msgid: u32,
-        payload: &[u8],
+        len: usize,
         crc_extra: u8,
         version: WireVersion,
     ) -> PyResult<()> {
@@ -36,7 +36,7 @@ impl Sender<'_> {
             incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
             ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
         };
-        frame.encode(header, payload, crc_extra).map_err(Error::from)?;
+        frame.finish(header, len, crc_extra).map_err(Error::from)?;
         if let Some(signing) = signing {
             let block = signing.get().sign(frame)?;
             frame.append_signature(&block);

@@ -38,8 +38,8 @@ impl Sending {
     }
 
     #[inline]
-    pub(crate) fn count(&self, len: usize) {
-        shared::add(&self.packets, 1);
+    pub(crate) fn count(&self, frames: usize, len: usize) {
+        shared::add(&self.packets, frames as u64);
         shared::add(&self.bytes, len as u64);
     }
 }
