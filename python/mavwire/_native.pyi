@@ -600,6 +600,13 @@ class MAVLink:
         Nothing advances if packing or writing fails.
         """
 
+    def send_many(self, messages: Iterable[Any], force_mavlink1: bool = False) -> None:
+        """Sends messages in order. As many frames as fit into the `batch_bytes` of `file` leave in one call of its
+        `write`.
+
+        A message that cannot be packed is an error after those before it were sent.
+        """
+
     def _share_sending(self, other: MAVLink) -> None:
         """From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one
         takes: threads may be sending with it."""

@@ -26,7 +26,7 @@ from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from typing import IO, Any, Self
 
     from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
@@ -78,6 +78,9 @@ class mavfile(Link, Tracking, Commands, Signing):
     __dict__ = link_dict
     # Further names for `vars()`, of attributes that stand in no instance dictionary.
     _own_attributes: tuple[str, ...] = ()
+
+    # Bytes of whole frames that `send_many` gives to one `write`; 0 for one frame.
+    batch_bytes = 0
 
     # Recording failures are counted, not raised. Class attributes, so that `vars()` of a link
     # shows pymavlink's attributes alone until something fails.
@@ -178,6 +181,13 @@ class mavfile(Link, Tracking, Commands, Signing):
     def write(self, buf: bytes) -> Any:
         """Send one packed message. Each transport has its own."""
         raise RuntimeError("no write() method supplied")
+
+    def send_many(self, messages: Iterable[Any], force_mavlink1: bool = False) -> None:
+        """Send messages in order, with one call of the system for many where the transport can.
+
+        A stream or serial port takes all frames side by side, a datagram as many as fit into `batch_bytes`.
+        """
+        self.mav.send_many(messages, force_mavlink1)
 
     def close(self) -> None:
         """Release the transport. Each has its own."""

@@ -13,6 +13,8 @@ __all__ = ["DescriptorPort", "PortError", "StreamLink", "StreamWriter", "ask_por
 class StreamLink(ChunkedLink):
     """A link over a stream socket: frames leave it whole or not at all."""
 
+    batch_bytes = 1 << 16
+
     @property
     def frames_dropped(self) -> int:
         """Frames that were not sent because the peer was gone or had stopped reading."""

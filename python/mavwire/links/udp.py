@@ -43,6 +43,8 @@ class DatagramLink(ChunkedLink):
     """A link over a datagram socket, `port`."""
 
     _aio_transport = "Transport"
+    # Fits into an Ethernet frame.
+    batch_bytes = 1400
     # Counted instead of raised: a datagram link has no one to tell.
     write_errors = 0
 

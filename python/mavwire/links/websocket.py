@@ -26,6 +26,7 @@ HANDSHAKE_TIMEOUT = 5.0
 class _WebSocketLink(StreamLink):
     """A socket under a wsproto connection: the part that both ends share."""
 
+    batch_bytes = 0  # each frame is a WebSocket message
     # The connection that was made last: its socket and its protocol.
     _made: tuple[Any, Any] = (None, None)
 

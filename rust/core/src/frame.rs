@@ -220,6 +220,16 @@ pub fn claimed_len(bytes: &[u8]) -> Option<usize> {
     Some(fixed + usize::from(payload_len))
 }
 
+/// Pieces of bytes that were sent: frames side by side, and what starts no frame as one piece.
+pub fn frames(mut bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    std::iter::from_fn(move || {
+        let len = claimed_len(bytes).unwrap_or(bytes.len()).min(bytes.len());
+        let (frame, rest) = bytes.split_at(len);
+        bytes = rest;
+        (!frame.is_empty()).then_some(frame)
+    })
+}
+
 /// The signature block of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SignatureRef<'a> {

@@ -5,6 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use mavwire_core::frame::frames;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -117,21 +118,21 @@ impl StreamWriter {
         Ok(())
     }
 
-    fn write_bytes(&self, port: &Bound<'_, PyAny>, frame: &[u8]) -> PyResult<()> {
+    fn write_bytes(&self, port: &Bound<'_, PyAny>, bytes: &[u8]) -> PyResult<()> {
         let py = port.py();
         self.follow_fork(py);
-        if self.has_ended(port) {
-            self.drop_frames(1);
-            return Ok(());
-        }
-        if !self.add(py, frame) {
-            let sent = self.send(port);
-            if sent.is_err() || !self.add(py, frame) {
+        let mut sent = Ok(());
+        for frame in frames(bytes) {
+            let mut fits = sent.is_ok() && !self.has_ended(port) && self.add(py, frame);
+            if sent.is_ok() && !fits {
+                sent = self.send(port);
+                fits = sent.is_ok() && !self.has_ended(port) && self.add(py, frame);
+            }
+            if !fits {
                 self.drop_frames(1);
-                return sent;
             }
         }
-        self.send(port)
+        sent.and_then(|()| self.send(port))
     }
 }
 
@@ -181,7 +182,8 @@ impl StreamWriter {
         self.bytes_sent.load(Relaxed)
     }
 
-    /// Sends `frame` after what is queued; `PortError` when the connection is gone, and then `clear` counts the frame.
+    /// Sends `frame`, or several side by side, after what is queued; `PortError` when the connection is gone, and then
+    /// `clear` counts the frames.
     fn write(&self, port: &Bound<'_, PyAny>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
         match frame.cast::<PyBytes>() {
             Ok(frame) => self.write_bytes(port, frame.as_bytes()),

@@ -20,7 +20,7 @@ use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
 use crate::python::calling::truth;
 use crate::python::instance_dict::generic_setattr;
-use crate::python::lists::{bytes, bytes_like};
+use crate::python::lists::{bytes, bytes_like, list};
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
@@ -318,6 +318,18 @@ impl MAVLink {
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<()> {
         send::send(slf, mavmsg, force_mavlink1)
+    }
+
+    /// Sends messages in order. As many frames as fit into the `batch_bytes` of `file` leave in one call of its `write`.
+    ///
+    /// A message that cannot be packed is an error after those before it were sent.
+    #[pyo3(signature = (messages, force_mavlink1 = false))]
+    fn send_many(
+        slf: &Bound<'_, Self>,
+        #[pyo3(from_py_with = list)] messages: Vec<Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<()> {
+        send::send_many(slf, &messages, force_mavlink1)
     }
 
     /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:

@@ -1,6 +1,6 @@
 //! Sending: one frame after the other, from any number of threads.
 
-use mavwire_core::frame::FrameBuffer;
+use mavwire_core::frame::{FrameBuffer, MAX_FRAME_LEN};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -12,6 +12,7 @@ use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::pack;
 use crate::protocol::sending::Sending;
 use crate::python::calling::Calling;
+use crate::python::lists;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 
@@ -59,6 +60,60 @@ pub(super) fn send<'py>(
         Ok(Packed { len: bytes.len()?, bytes, count: 1, last: sending.seq() })
     })?;
     mav.get().send_callback.call(mav, message)
+}
+
+/// `mav.send_many(messages, force_mavlink1)`
+pub(super) fn send_many<'py>(
+    mav: &Bound<'py, MAVLink>,
+    messages: &[Bound<'py, PyAny>],
+    force_mavlink1: bool,
+) -> PyResult<()> {
+    let py = mav.py();
+    if mav.get().is_overridden(overridden::SEND) {
+        let send = mav.getattr(intern!(py, "send"))?;
+        return messages
+            .iter()
+            .try_for_each(|message| send.invoke1((message, force_mavlink1)).map(drop));
+    }
+    let file = mav.get().file.get(py);
+    let room = file.map(|file| file.getattr_opt(intern!(py, "batch_bytes"))).transpose()?.flatten();
+    let room = room.map_or(Ok(0), |room| room.extract::<usize>())?;
+    let mut rest = messages;
+    while !rest.is_empty() {
+        let count = in_turn(mav, |sending| join(mav, rest, room, force_mavlink1, sending))?;
+        let (sent, left) = rest.split_at(count);
+        sent.iter().try_for_each(|message| mav.get().send_callback.call(mav, message))?;
+        rest = left;
+    }
+    Ok(())
+}
+
+/// The frames of the first messages: as many as fit into `room` bytes, and at least one.
+fn join<'py>(
+    mav: &Bound<'py, MAVLink>,
+    messages: &[Bound<'py, PyAny>],
+    room: usize,
+    force_mavlink1: bool,
+    sending: &Sending,
+) -> PyResult<Packed<'py>> {
+    let (mut joined, mut count, mut last) = (Vec::new(), 0, sending.seq());
+    for message in messages {
+        if count > 0 && joined.len() + MAX_FRAME_LEN > room {
+            break;
+        }
+        if count > 0 {
+            sending.advance(last);
+        }
+        match frame_of(message, mav, force_mavlink1) {
+            Ok(frame) => joined.extend(lists::bytes(&frame)?),
+            // Raised again when it is the first one.
+            Err(_) if count > 0 => break,
+            Err(error) => return Err(error),
+        }
+        (count, last) = (count + 1, sending.seq());
+    }
+    let bytes = PyBytes::new(mav.py(), &joined).into_any();
+    Ok(Packed { bytes, len: joined.len(), count, last })
 }
 
 /// `message.pack(mav, force_mavlink1=force_mavlink1)`
