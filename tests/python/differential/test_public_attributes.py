@@ -17,7 +17,7 @@ LISTED = re.compile(
             r". (format with units\.(units|instance_(field|len|ofs))|unit)",
             r"csv\.close",
             r"csv message\.to_dict",
-            rf"{DIALECT} MAVLink( that parsed)?\.resync",
+            rf"{DIALECT} MAVLink( that parsed)?\.(resync|send_many)",
             rf"{DIALECT} bad data\.fieldnames",
             rf"{DIALECT}\.(annotations|fastcrc|object|range|populate_builtin)",
         )
