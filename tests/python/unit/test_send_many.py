@@ -72,7 +72,8 @@ def test_nothing_to_send_writes_nothing() -> None:
 def test_a_message_that_cannot_be_packed_is_an_error_behind_those_before_it() -> None:
     sink = Sink(1400)
     mav = common.MAVLink(sink, 1, 1)
-    bad = common.MAVLink_system_time_message("no number", 1)
+    wrong: Any = "no number"
+    bad = common.MAVLink_system_time_message(wrong, 1)
     with pytest.raises(Exception, match="argument"):
         mav.send_many([*messages(3), bad, *messages(1)])
     assert b"".join(sink.pieces) == b"".join(one_by_one(3))
@@ -82,7 +83,8 @@ def test_a_message_that_cannot_be_packed_is_an_error_behind_those_before_it() ->
 
 def test_what_is_no_message_is_an_error() -> None:
     mav = common.MAVLink(Sink(1400))
-    for wrong in (None, 7, "text", [7]):
+    odd: list[Any] = [None, 7, "text", [7]]
+    for wrong in odd:
         with pytest.raises((TypeError, AttributeError)):
             mav.send_many(wrong)
 
