@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Unpack
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.conversion import prepare
-from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
 from mavwire.logs.query import Query, takes
 from mavwire.logs.reading import allow_described
@@ -24,7 +23,7 @@ from .clients import connected
 from .cuts import find_cuts
 from .grouping import TASK_BYTES, check_at_least_1, group_bytes, grouped, may_be_cut
 from .places import Part, expand, is_url, status
-from .stores import Folder, Remote, store_of
+from .stores import store_of
 from .tasks import Piece, Recipe, convert_pieces
 
 if TYPE_CHECKING:
@@ -90,7 +89,7 @@ def convert(
         names = manifest.names(logs)
         options = dict(storage_options or {})
         recipe = Recipe(out, folder, selection, dialect, format, compression, options)
-        run = _Run(store, manifest, recipe, task_bytes, progress)
+        run = _Run(manifest, recipe, task_bytes, progress)
         try:
             todo = run.look(names, known)
             with connected(client, workers) if todo else nullcontext() as cluster:
@@ -98,7 +97,7 @@ def convert(
                 if todo:
                     run.work(cluster, todo)
         finally:
-            run.journal.close()
+            manifest.close()
     return [run.rows[path] for path in names]
 
 
@@ -137,14 +136,12 @@ class _Run:
 
     def __init__(
         self,
-        store: Folder | Remote,
         manifest: Manifest,
         recipe: Recipe,
         task_bytes: int,
         progress: Callable[[int, int], object] | None,
     ) -> None:
         self.manifest = manifest
-        self.journal = Journal(store, manifest)
         self.recipe = recipe
         self.task_bytes = task_bytes
         self.progress = progress
@@ -180,12 +177,12 @@ class _Run:
 
     def begin(self, todo: list[Piece]) -> None:
         """Note what is to do, and what cannot be done."""
-        self.journal.begin_all({piece.path: piece.name for piece in todo})
+        self.manifest.begin({piece.path: piece.name for piece in todo})
         for row in self._failed:
             self._finish(row)
 
     def work(self, client: Any, todo: list[Piece]) -> None:
-        """Convert everything. The journal has each finished log, also after an error."""
+        """Convert everything. The manifest has each finished log, also after an error."""
         from distributed import as_completed
 
         pending = as_completed(self._begin_tasks(client, todo), loop=client.loop)
@@ -246,7 +243,6 @@ class _Run:
         # Names of parts of an earlier run are used again.
         self._taken -= self.manifest.stems(piece.path) - {piece.name}
         names = [self._part_name(piece.name, number) for number in range(len(ranges))]
-        self.journal.begin(piece.path, piece.name, names)
         return [Piece(piece.path, *part) for part in zip(names, ranges, strict=True)]
 
     def _part_name(self, name: str, number: int) -> str:
@@ -282,7 +278,7 @@ class _Run:
     def _finish(self, row: Converted) -> None:
         """Note the outcome of a log."""
         self.rows[row.path] = row
-        self.journal.finish(row)
+        self.manifest.add(row)
         self._done += 1
         if self.progress is not None:
             self.progress(self._done, self._logs)

@@ -6,7 +6,7 @@ import os
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.store import Store, draft_of, drafts_of
+from mavwire.logs.store import Store, draft_of, is_draft
 
 from .places import file_system, is_url
 
@@ -48,14 +48,11 @@ class Remote:
     file gets its name when it is complete.
     """
 
-    appends = False
-
     def __init__(self, url: str, options: Mapping[str, Any] | None = None) -> None:
         self.root = url.rstrip("/")
         self.fs, self._inner = file_system(self.root, options)
         self._found: dict[str, int | None] | None = None
         """The files at the first look: one request for all of them."""
-        self._appended: dict[str, bytes] = {}
         kinds = self.fs.protocol
         self._whole = not OBJECT_STORES.isdisjoint([kinds] if isinstance(kinds, str) else kinds)
         """Whether nobody sees half of a file."""
@@ -117,11 +114,6 @@ class Remote:
                 self.fs.rm_file(draft)
             raise
 
-    def append(self, name: str, content: bytes) -> None:
-        """Add to what this object has written, as there is no way to add to a file."""
-        self._appended[name] = self._appended.get(name, b"") + content
-        self.write(name, self._appended[name])
-
     def publish(self, draft: str, name: str) -> None:
         """Copy a local file there, in place of any that has the name."""
         self._put(self._path(name), lambda path: self.fs.put_file(draft, path))
@@ -131,16 +123,14 @@ class Remote:
         """Do nothing: object stores have no locks that end with their process."""
         yield
 
-    def remove_drafts(self, *names: str) -> None:
-        """Remove what a run that was killed left of the files of some logs."""
-        is_draft = drafts_of(*names)
+    def remove_drafts(self) -> None:
+        """Remove the incomplete files that a run left which was killed."""
         for one in [] if self._whole else list(self.names()):
             if is_draft(os.path.basename(one)):
                 self.fs.rm_file(self._path(one))
 
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""
-        self._appended.pop(name, None)
         try:
             self.fs.rm_file(self._path(name))
         except FileNotFoundError:

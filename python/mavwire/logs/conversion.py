@@ -22,7 +22,6 @@ from mavwire.dialects._descriptions import of_messages
 
 from .checks import check_tables
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
-from .journal import Journal
 from .manifest import Converted, Manifest
 from .open_files import many_open_files
 from .query import Query, Types, takes
@@ -110,21 +109,18 @@ def convert(
     with store.locked():
         remove_left(out)  # of a fleet that was killed
         manifest = Manifest(store, how)
-        journal = Journal(store, manifest)
         job = Job(out, native, selection, format, compression, progress, from_unknown=from_unknown)
         names = manifest.names(logs)
-        rows = []
+        rows = {path: manifest.done(path) for path in names}
+        todo = {path: name for path, name in names.items() if rows[path] is None}
+        manifest.begin(todo)
         try:
-            for path, name in names.items():
-                row = manifest.done(path)
-                if row is None:
-                    journal.begin(path, name)
-                    row = job.run(path, name)
-                    journal.finish(row)
-                rows.append(row)
+            for path, name in todo.items():
+                rows[path] = row = job.run(path, name)
+                manifest.add(row)
         finally:
-            journal.close()
-    return rows
+            manifest.close()
+    return [row for row in rows.values() if row is not None]
 
 
 def prepare(

@@ -1,6 +1,7 @@
 """The manifest of a folder of converted logs: what became of each, and what its files are called.
 
-`manifest.json` has all logs; `manifest.journal`, while a run goes on, the changes since, a line each.
+It is written when a run begins, every few seconds and at the end. A run that is killed loses the logs of the last
+seconds: they are marked as interrupted, keep their names and are converted again.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import time
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +21,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 MANIFEST = "manifest.json"
-JOURNAL = "manifest.journal"
 VERSION = 2
 BEGUN = "the conversion was interrupted"
 """The error of a log that is being converted."""
 
+PAUSE = 5.0
+"""Seconds at least between two writings of the manifest,"""
+SHARE = 50
+"""and how many times as long as the last one took."""
+
+_PART = re.compile(r"\++\d{4}$")
+"""The end of the name of a file of one part of a log, which a fleet cut."""
 _UNDECODED = re.compile("[\udc80-\udcff]")
 """Bytes of a name that are not UTF-8. The manifest has the name of a log with them (PEP 383), those of
 files have `%FF`: readers of all kinds shall open them.
@@ -52,8 +60,6 @@ class Converted:
     """Why there are no files, or what is wrong with a compressed log."""
     skipped: bool = False
     """It had been converted before, by an earlier run."""
-    parts: list[str] = field(default_factory=list)
-    """Names of the files of its parts, while it is converted in parts."""
     stale: list[str] = field(default_factory=list)
     """Files of before, where this conversion failed: the next one that succeeds replaces or removes
     them.
@@ -64,8 +70,7 @@ class Manifest:
     """The logs that were converted into a folder, and the options. `status` gives size and time of a log,
     or raises OSError.
 
-    The journal of a killed run is read too. ValueError if manifest or journal is a file of something
-    else.
+    What a killed run left of logs is removed. ValueError if the manifest is a file of something else.
     """
 
     def __init__(
@@ -78,32 +83,21 @@ class Manifest:
         self._status = status or file_status
         self.how = json.loads(json.dumps(how))
         self.rows: dict[str, Converted] = {}
-        self.has_journal = False
-        self._left: dict[str, list[str]] | None = None
-        """Files of the logs in `_interrupted` when one of them was first asked for, by stem."""
-        forgotten: set[str] = set()
-        for name, read in ((MANIFEST, _manifest), (JOURNAL, _journal)):
-            content = store.read(name)
-            if content is None:
-                continue
-            stored = read(content)
-            if stored is None:
-                raise ValueError(
-                    f"{store.place(name)} is no manifest of this version of mavwire: convert to"
-                    " another folder or remove it"
-                )
-            self.has_journal = name == JOURNAL
-            if stored["options"] == self.how:
-                self.rows |= {row.path: row for row in stored["logs"]}
-            else:
-                forgotten |= _begun_stems(stored)
-        if self.has_journal:  # a run was killed, perhaps while it wrote the manifest
-            forgotten.add(MANIFEST.removesuffix(".json"))
-        if forgotten:
-            store.remove_drafts(*forgotten)
-        interrupted = (row for row in self.rows.values() if row.error == BEGUN)
-        self._interrupted = {row.path: {row.name, *row.parts} for row in interrupted}
-        """Logs that a killed run had begun, and what their files may be called."""
+        self._unwritten = False
+        self._due = 0.0
+        content = store.read(MANIFEST)
+        stored = {"options": None, "logs": []} if content is None else _checked(_parsed(content))
+        if stored is None:
+            raise ValueError(
+                f"{store.place(MANIFEST)} is no manifest of this version of mavwire: convert to"
+                " another folder or remove it"
+            )
+        begun = {row.name for row in stored["logs"] if row.error == BEGUN}
+        if content is None or begun:
+            store.remove_drafts()
+        if stored["options"] == self.how:
+            self.rows |= {row.path: row for row in stored["logs"]}
+            self._remove_left(begun)
 
     def done(self, path: str) -> Converted | None:
         """The row of a log that need not be converted again, also where a compressed one is damaged:
@@ -122,43 +116,45 @@ class Manifest:
         return replace(row, skipped=True)
 
     def add(self, row: Converted) -> None:
-        """Note a log. Files that it had and has no more would be rows of nothing: they are removed,
-        and so are those that a killed run made of it and this one did not. Where it failed and
-        nothing takes their place they stay, and are `stale`.
+        """Note what became of a log. Files that it had and has no more would be rows of nothing: they are
+        removed. Where it failed and nothing takes their place they stay, and are `stale`.
         """
-        if row.error != BEGUN:
-            earlier = self.rows.get(row.path)
-            known = [] if earlier is None else [*earlier.files, *earlier.stale]
-            gone = [name for name in dict.fromkeys(known) if name not in row.files]
-            if row.error is None or row.files:  # of a damaged log what is intact
-                self.remove_files(gone)
-            else:
-                row.stale = gone
-            kept = {*row.files, *row.stale}
-            self._remove_left(self._interrupted.pop(row.path, set()), kept)
+        earlier = self.rows.get(row.path)
+        known = [] if earlier is None else [*earlier.files, *earlier.stale]
+        gone = [name for name in dict.fromkeys(known) if name not in row.files]
+        if row.error is None or row.files:  # of a damaged log what is intact
+            self.remove_files(gone)
+        else:
+            row.stale = gone
         self.rows[row.path] = row
+        self._unwritten = True
+        if time.monotonic() >= self._due:
+            self.store()
 
-    def begun(self, path: str, name: str, parts: Iterable[str] = ()) -> Converted:
-        """The row of a log that is being converted, in parts if it is cut. It keeps its name, and
-        the names of parts, until it is done.
-        """
-        earlier = self.rows.get(path, Converted(path, name))
-        return replace(
-            earlier, rows=0, error=BEGUN, parts=list(dict.fromkeys([*earlier.parts, *parts]))
-        )
+    def begin(self, names: dict[str, str]) -> None:
+        """Note the logs that are about to be converted, and the names of their files."""
+        for path, name in names.items():
+            earlier = self.rows.get(path, Converted(path, name))
+            self.rows[path] = replace(earlier, rows=0, error=BEGUN)
+        if names:
+            self.store()
 
-    def _remove_left(self, stems: set[str], kept: set[str]) -> None:
-        """Remove what a killed run left of a log."""
-        if not stems:
+    def close(self) -> None:
+        """Write what was not written yet."""
+        if self._unwritten:
+            self.store()
+
+    def _remove_left(self, begun: set[str]) -> None:
+        """Remove the files of logs and of their parts that a killed run had not noted as finished."""
+        if not begun:
             return
-        if self._left is None:
-            wanted = stems.union(*self._interrupted.values())
-            self._left = {}
-            for name in self._store.names():
-                if (stem := self._stem(name)) in wanted:
-                    self._left.setdefault(stem, []).append(name)
-        left = (name for stem in stems for name in self._left.pop(stem, ()))
-        self.remove_files(name for name in left if name not in kept)
+        kept = {name for row in self.rows.values() for name in (*row.files, *row.stale)}
+        others = {row.name for row in self.rows.values()} - begun
+        for name in list(self._store.names()):
+            stem = self._stem(name)
+            is_begun = stem in begun or (stem not in others and _PART.sub("", stem) in begun)
+            if is_begun and name not in kept:
+                self.remove_files([name])
 
     def remove_named(self, path: str, stem: str) -> None:
         """Remove the files that are called so, but for those that the log had before."""
@@ -174,13 +170,14 @@ class Manifest:
                 self._store.remove(name)
 
     def store(self) -> None:
-        """Write the manifest, which is never seen half written, and end the journal."""
+        """Write the manifest, which is never seen half written."""
+        began = time.monotonic()
         content = {"version": VERSION, "options": self.how}
-        logs = [stored_row(row) for row in self.rows.values()]
+        logs = [_stored_row(row) for row in self.rows.values()]
         self._store.write(MANIFEST, json.dumps({**content, "logs": logs}, indent=1).encode())
-        if self.has_journal:
-            self._store.remove(JOURNAL)
-            self.has_journal = False
+        self._unwritten = False
+        now = time.monotonic()
+        self._due = now + max(PAUSE, SHARE * (now - began))
 
     def names(self, paths: list[str]) -> dict[str, str]:
         """A name for the files of each log."""
@@ -196,35 +193,19 @@ class Manifest:
         row = self.rows.get(path)
         if row is None:
             return set()
-        return {row.name, *row.parts, *map(self._stem, [*row.files, *row.stale])}
+        return {row.name, *map(self._stem, [*row.files, *row.stale])}
 
     def _stem(self, name: str) -> str:
         stem, _, rest = os.path.basename(name).rpartition(FORMATS[self.how["format"]])
         return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
 
 
-def stored_row(row: Converted) -> dict[str, Any]:
-    """A row as the manifest and the journal hold it."""
+def _stored_row(row: Converted) -> dict[str, Any]:
     stored = asdict(row)
     del stored["skipped"]
-    for key in ("parts", "stale"):
-        if not stored[key] or row.error is None:
-            del stored[key]
+    if not stored["stale"] or row.error is None:
+        del stored["stale"]
     return stored
-
-
-def _manifest(content: bytes) -> dict[str, Any] | None:
-    """The content of a manifest with its rows; None for a file of something else, which stays."""
-    return _checked(_parsed(content))
-
-
-def _journal(content: bytes) -> dict[str, Any] | None:
-    """The same of a journal, without a last line of which not all was written."""
-    lines = content.split(b"\n")[:-1]
-    if not lines:
-        return {"options": None, "logs": []}
-    head, *rows = map(_parsed, lines)
-    return _checked({**head, "logs": rows} if isinstance(head, dict) else None)
 
 
 def _parsed(text: bytes) -> Any:
@@ -238,20 +219,14 @@ def _checked(stored: Any) -> dict[str, Any] | None:
     try:
         rows = [Converted(**row) for row in stored["logs"]]
         valid = stored["version"] == VERSION and isinstance(stored["options"], dict)
-        stems = [name for row in rows for name in (row.name, *row.parts)]
+        stems = [row.name for row in rows]
         files = [name for row in rows for name in (*row.files, *row.stale)]
-        lists = [stored["logs"], *(one for row in rows for one in (row.parts, row.stale))]
+        lists = [stored["logs"], *(row.stale for row in rows)]
     except (TypeError, KeyError):
         return None
     valid &= all(isinstance(one, list) for one in lists)
     valid &= all(isinstance(name, str) for name in files)
     return {**stored, "logs": rows} if valid and all(map(_is_stem, stems)) else None
-
-
-def _begun_stems(stored: dict[str, Any]) -> set[str]:
-    """The names of files of logs that a killed run had begun."""
-    begun = [row for row in stored["logs"] if row.error == BEGUN]
-    return {stem for row in begun for stem in (row.name, *row.parts)}
 
 
 def _is_stem(name: Any) -> bool:

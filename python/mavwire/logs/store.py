@@ -20,7 +20,7 @@ from mavwire._native import draft_stem
 from .formats import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
 
 _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 
@@ -28,23 +28,17 @@ _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 class Files(Protocol):
     """The store of a manifest."""
 
-    appends: bool
-    """Whether adding to a file costs no more than what is added."""
-
     def names(self) -> Iterator[str]: ...
     def place(self, name: str) -> str: ...
     def has_content(self, name: str) -> bool: ...
     def read(self, name: str) -> bytes | None: ...
     def write(self, name: str, content: bytes) -> None: ...
-    def append(self, name: str, content: bytes) -> None: ...
     def remove(self, name: str) -> None: ...
-    def remove_drafts(self, *names: str) -> None: ...
+    def remove_drafts(self) -> None: ...
 
 
 class Store:
     """A local folder. Names are paths below it, with `/`."""
-
-    appends = True
 
     def __init__(self, root: str) -> None:
         self.root = root
@@ -86,11 +80,6 @@ class Store:
     def write(self, name: str, content: bytes) -> None:
         """Write or replace a file, which is never seen half written."""
         write_file(self.place(name), content)
-
-    def append(self, name: str, content: bytes) -> None:
-        """Add to the end of a file, which is begun if there is none."""
-        with open(self.place(name), "ab", buffering=0) as file:
-            file.write(content)
 
     def remove(self, name: str) -> None:
         """Remove a file, if it is there, and the folder of a type in which nothing is left then."""
@@ -138,9 +127,8 @@ class Store:
         finally:
             os.close(folder)
 
-    def remove_drafts(self, *names: str) -> None:
-        """Remove what a run that was killed left of the files of some logs."""
-        is_draft = drafts_of(*names)
+    def remove_drafts(self) -> None:
+        """Remove the incomplete files that a run left which was killed."""
         folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
         for folder in [self.root, *folders]:
             for entry in list(os.scandir(folder)):
@@ -148,15 +136,10 @@ class Store:
                     os.remove(entry.path)
 
 
-def drafts_of(*names: str) -> Callable[[str], bool]:
-    """Tells whether a file is called as incomplete ones of some logs are, or of the manifest."""
-    stems = {draft_stem(name + suffix) for name in names for suffix in (*SUFFIXES, ".json")}
-
-    def is_draft(file: str) -> bool:
-        stem = _DRAFT.fullmatch(file)
-        return stem is not None and stem[1] in stems
-
-    return is_draft
+def is_draft(name: str) -> bool:
+    """Whether a file is called as incomplete ones of a conversion, or of the manifest, are."""
+    stem = _DRAFT.fullmatch(name)
+    return stem is not None and any(suffix in stem[1] for suffix in (*SUFFIXES, ".json"))
 
 
 def draft_of(path: str) -> str:

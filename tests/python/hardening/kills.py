@@ -21,7 +21,7 @@ COMMANDS = {
     "convert": ("convert", "LOG", "-o", "OUT", "--types", "ATTITUDE", "--quiet"),
     "convert to MCAP": ("convert", "LOG", "-o", "OUT", "--format", "mcap", "--quiet"),
 }
-DRAFTS = (".part", ".json", ".journal")
+DRAFTS = (".part", ".json")
 
 
 def run(words: tuple[str, ...], log: Path, out: Path) -> None:

@@ -137,7 +137,7 @@ def begun(out: Path) -> bool:
 
 def finished(out: Path) -> list[str]:
     """Files under their own names."""
-    drafts = (".part", ".json", ".journal")
+    drafts = (".part", ".json")
     return [one for one in files(out) if not one.endswith(drafts)]
 
 

@@ -30,7 +30,7 @@ EXTRA = [1_000_000, 300, 6000]
 """kB that a process may have more than it has when it begins: at first more than enough."""
 ENDS = {"done", "MemoryError", "OSError", "BlockingIOError", "ended with -6"}
 """-6: what cannot be allocated natively ends the process with a line about it."""
-DRAFTS = (".part", ".json", ".journal")
+DRAFTS = (".part", ".json")
 
 # Runs each action in a fork with so many kB more than the process has, and tells what came of it.
 SQUEEZED = """

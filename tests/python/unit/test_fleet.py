@@ -435,7 +435,7 @@ def test_a_log_that_ends_its_workers_is_a_row_and_its_neighbours_are_tried_alone
     client, store = Doomed(), store_of(str(tmp_path / "out"))
     compression, _, query, how = prepare("parquet", None, None, "all")
     recipe = Recipe(store.root, None, query, "all", "parquet", compression)
-    run = running._Run(store, Manifest(store, how), recipe, 1 << 30, None)
+    run = running._Run(Manifest(store, how), recipe, 1 << 30, None)
     pieces = run.look({str(p): p.stem for p in small}, {str(p): (1, 0) for p in small})
     run.begin(pieces)
     pending = [run._submit(client, pieces)]

@@ -16,9 +16,9 @@ from mavwire.fleet import convert as convert_fleet
 from mavwire.fleet import running, stores
 from mavwire.fleet.stores import Folder, store_of
 from mavwire.fleet.tasks import Recipe
-from mavwire.logs import journal, manifest
+from mavwire.logs import manifest
 from mavwire.logs.conversion import convert, prepare
-from mavwire.logs.manifest import JOURNAL, MANIFEST, Converted, Manifest
+from mavwire.logs.manifest import MANIFEST, Converted, Manifest
 from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
@@ -103,7 +103,7 @@ def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK)
     store = store_of(out)
     made = Manifest(store, how, lambda path: (os.path.getsize(path), os.stat(path).st_mtime_ns))
     run = running._Run(
-        store, made, Recipe(out, None, query, UPSTREAM, "parquet", compression), task_bytes, None
+        made, Recipe(out, None, query, UPSTREAM, "parquet", compression), task_bytes, None
     )
     paths = list(map(str, logs))
     todo = run.look(
@@ -132,7 +132,6 @@ def test_parts_that_were_published_are_not_there_beside_the_whole_log(tmp_path, 
     assert files_of(out) == set(row.files) == {
         "ATTITUDE/large.parquet", "HEARTBEAT/large.parquet"
     }  # fmt: skip
-    assert "parts" not in json.loads((out / MANIFEST).read_text())["logs"][0]
 
 
 def test_a_log_that_changed_meanwhile_leaves_no_file_of_before(tmp_path, large):
@@ -165,15 +164,15 @@ def test_a_log_that_was_begun_keeps_its_name(tmp_path, large):
 
 
 def test_what_nobody_began_stays(tmp_path, large):
-    """Files of other runs, and those of the log that are not named like its parts."""
+    """Files of other runs and formats."""
     out = tmp_path / "out"
     (out / "ATTITUDE").mkdir(parents=True)
-    for name in ("large+0007.parquet", "large+0000.csv", "other+0000.parquet"):
+    for name in ("large+0000.csv", "other+0000.parquet"):
         (out / "ATTITUDE" / name).write_text("of someone else")
     killed_after(3, str(out), [large])
     convert([large], out, types=["HEARTBEAT", "ATTITUDE"])
     assert {
-        "ATTITUDE/large+0007.parquet", "ATTITUDE/large+0000.csv", "ATTITUDE/other+0000.parquet"
+        "ATTITUDE/large+0000.csv", "ATTITUDE/other+0000.parquet"
     } < files_of(out)  # fmt: skip
 
 
@@ -263,7 +262,7 @@ def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
     store = store_of(out)
     made = Manifest(store, how, lambda path: (1, 1))
     recipe = Recipe(out, None, query, UPSTREAM, "parquet", compression)
-    run = running._Run(store, made, recipe, TASK, None)
+    run = running._Run(made, recipe, TASK, None)
     (todo,) = run.look({str(mixed): "mixed"}, {str(mixed): (1, 1)})
     run.begin([todo])
     try:
@@ -273,7 +272,7 @@ def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
             (tmp_path / "draft").write_text(name)
             store.publish(str(tmp_path / "draft"), f"ATTITUDE/{name}.parquet")
         assert run._completed(None, Dies()) == []
-        assert set(store.names()) - {JOURNAL} == {"ATTITUDE/other.parquet", MANIFEST}
+        assert set(store.names()) == {"ATTITUDE/other.parquet", MANIFEST}
         assert run.rows[str(mixed)].error == "no worker is left"
     finally:
         if remote:
@@ -307,7 +306,6 @@ def test_on_an_object_store(tmp_path, large):
     url = "memory://fleet-interrupted"
     try:
         killed_after(3, url, [large])
-        assert memory.exists(f"/fleet-interrupted/{JOURNAL}"), "parts are noted at once"
         how = json.loads(memory.cat_file(f"/fleet-interrupted/{MANIFEST}"))["options"]
         made = Manifest(store_of(url), how)
         made.add(Converted(str(large), "large", files={"ATTITUDE/large.parquet": 1}))
@@ -338,9 +336,7 @@ def test_a_place_of_fsspec_that_is_no_object_store(tmp_path, mixed, inside, monk
     assert {path.name for path in (tmp_path / "out").iterdir() if path.is_file()} == {MANIFEST}
     left = tmp_path / "out" / "ATTITUDE" / "mixed.parquet.12-0a1b2c3d.part"
     left.write_bytes(b"of a run that was killed")
-    store.remove_drafts("other")
-    assert left.exists()
-    store.remove_drafts("mixed")
+    store.remove_drafts()
     assert not left.exists()
 
 
@@ -361,34 +357,26 @@ def test_a_place_that_moves_nothing_onto_a_file(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == [MANIFEST]
 
 
-def test_only_what_is_begun_is_written_at_once_to_an_object_store(monkeypatch):
-    """Finished logs wait for the manifest, which is written now and then."""
+def test_the_manifest_is_written_now_and_then_to_an_object_store(monkeypatch):
     fsspec = pytest.importorskip("fsspec")
     memory = fsspec.filesystem("memory")
-    monkeypatch.setattr(journal, "PAUSE", 3600.0)
-    store = stores.Remote("memory://fleet-journal")
+    monkeypatch.setattr(manifest, "PAUSE", 3600.0)
+    store = stores.Remote("memory://fleet-manifest")
     made = Manifest(store, {"format": "parquet"}, lambda path: (1, 1))
-    notes = journal.Journal(store, made)
     try:
-        notes.begin_all({f"/{n}.tlog": str(n) for n in range(9)})
-        written = memory.cat_file(f"/fleet-journal/{MANIFEST}")
+        made.begin({f"/{n}.tlog": str(n) for n in range(9)})
+        written = memory.cat_file(f"/fleet-manifest/{MANIFEST}")
         for n in range(9):
-            notes.finish(Converted(f"/{n}.tlog", str(n), 1, 1))
-        assert memory.cat_file(f"/fleet-journal/{MANIFEST}") == written
-        assert not memory.exists(f"/fleet-journal/{JOURNAL}")
-        notes.close()
+            made.add(Converted(f"/{n}.tlog", str(n), 1, 1))
+        assert memory.cat_file(f"/fleet-manifest/{MANIFEST}") == written
+        made.close()
         assert [row["error"] for row in stored(memory, MANIFEST)] == [None] * 9
     finally:
-        memory.rm("/fleet-journal", recursive=True)
+        memory.rm("/fleet-manifest", recursive=True)
 
 
 def stored(memory: Any, name: str) -> Any:
-    return json.loads(memory.cat_file(f"/fleet-journal/{name}"))["logs"]
-
-
-@pytest.mark.parametrize("parts", [["../x"], "x", [7], [""]])
-def test_parts_of_a_manifest_of_others(tmp_path, parts):
-    assert_no_manifest(tmp_path, {"parts": parts})
+    return json.loads(memory.cat_file(f"/fleet-manifest/{name}"))["logs"]
 
 
 @pytest.mark.parametrize("stale", ["x", [7], {}])

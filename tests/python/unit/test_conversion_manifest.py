@@ -1,4 +1,4 @@
-"""Runs that are killed lose no log that was finished and double none."""
+"""Runs that are killed double no log, and the next one completes them."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from typing import Any
 
 import pytest
 from mavwire import traffic
-from mavwire._native import draft_stem
-from mavwire.logs import journal
+from mavwire.logs import manifest
 from mavwire.logs.conversion import convert
-from mavwire.logs.manifest import JOURNAL, MANIFEST, Manifest
+from mavwire.logs.manifest import BEGUN, MANIFEST
 from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
@@ -54,12 +53,9 @@ def outcome(out: Path) -> dict[str, Any]:
     return {"files": files, "others": others, "manifest": manifest}
 
 
-def lines(out: Path) -> int:
-    """How many lines the journal has now."""
-    try:
-        return (out / JOURNAL).read_bytes().count(b"\n")
-    except FileNotFoundError:
-        return 0
+def finished(out: Path) -> int:
+    """How many logs have their file now."""
+    return len(list(out.glob("HEARTBEAT/*.parquet")))
 
 
 def start(out: Path, logs: list[Path]) -> subprocess.Popen[bytes]:
@@ -70,43 +66,26 @@ def start(out: Path, logs: list[Path]) -> subprocess.Popen[bytes]:
 def test_a_run_that_is_killed_over_and_over_ends_like_one_that_is_not(tmp_path, tiny):
     out, whole = tmp_path / "out", tmp_path / "whole"
     convert(tiny, whole, types=["HEARTBEAT", "ATTITUDE"])
-    done, kills = 0, 0
-    for step in range(2 * len(tiny)):
+    kills = 0
+    for step in range(6):
         process = start(out, tiny[::-1] if step % 2 else tiny)
         deadline = time.monotonic() + 120
-        # Some lines on, wherever in the work that is.
-        while process.poll() is None and lines(out) < 7 + step % 6 and time.monotonic() < deadline:
+        # Some logs on, wherever in the work that is.
+        while (
+            process.poll() is None and finished(out) < 3 + step % 9 and time.monotonic() < deadline
+        ):
             time.sleep(0.001)
         process.kill()
         kills += process.wait() == -signal.SIGKILL
-        known = {row["path"]: row for row in rows_of(out)}
-        finished = [row for row in known.values() if row["error"] is None]
-        assert len(finished) >= done, "a finished log is lost"
-        done = len(finished)
-        if done == len(tiny):
-            break
     assert kills
     rows = convert(tiny, out, types=["HEARTBEAT", "ATTITUDE"])
-    assert sum(row.skipped for row in rows) >= done
-    named = {path: row["name"] for path, row in by_path(whole).items()}
+    assert [row.error for row in rows] == [None] * len(tiny)
     found = outcome(out)
     assert found["others"] == [MANIFEST]
-    assert len(found["files"]) == len(tiny) == len(set(named.values()))
+    assert len(found["files"]) == len(tiny)
     assert set(found["files"].values()) == set(outcome(whole)["files"].values())
     assert {row["rows"] for row in found["manifest"]["logs"]} == {HEARTBEATS}
     assert len({row["name"] for row in found["manifest"]["logs"]}) == len(tiny)
-
-
-def rows_of(out: Path) -> list[dict[str, Any]]:
-    """What manifest and journal of a killed run say together."""
-    rows = json.loads((out / MANIFEST).read_text())["logs"] if (out / MANIFEST).exists() else []
-    text = (out / JOURNAL).read_text() if (out / JOURNAL).exists() else ""
-    every = rows + [json.loads(line) for line in text.split("\n")[1:-1]]
-    return list({row["path"]: row for row in every}.values())
-
-
-def by_path(out: Path) -> dict[str, dict[str, Any]]:
-    return {row["path"]: row for row in rows_of(out)}
 
 
 def test_a_log_that_was_begun_keeps_its_name(tmp_path):
@@ -117,57 +96,51 @@ def test_a_log_that_was_begun_keeps_its_name(tmp_path):
         traffic.generate(tmp_path / part / "flight.tlog", 100)
     first, second = tmp_path / "one" / "flight.tlog", tmp_path / "two" / "flight.tlog"
     convert([first], out)
-    manifest = json.loads((out / MANIFEST).read_text())
-    (row,) = manifest["logs"]
-    (out / MANIFEST).write_text(json.dumps({**manifest, "logs": []}))
-    begun = {**row, "files": {}, "rows": 0, "error": journal.BEGUN}
-    head = {"version": manifest["version"], "options": manifest["options"]}
-    (out / JOURNAL).write_text(f"{json.dumps(head)}\n{json.dumps(begun)}\n" + json.dumps(row)[:-9])
+    interrupt(out)
     (other,) = convert([second], out)
     assert (other.name, other.error) == ("flight-2", None)
-    assert not (out / JOURNAL).exists()
     (again,) = convert([first], out)
     assert (again.name, again.skipped, again.rows) == ("flight", False, 100)
 
 
-def test_what_a_killed_run_noted_is_not_done_again(tmp_path, tiny):
-    out = tmp_path / "out"
-    convert(tiny[:2], out)
+def interrupt(out: Path) -> None:
+    """Leaves the manifest as a run that was killed before it had finished any log."""
     manifest = json.loads((out / MANIFEST).read_text())
-    (out / MANIFEST).unlink()
-    head = {"version": manifest["version"], "options": manifest["options"]}
-    text = [json.dumps(head), *(json.dumps(row) for row in manifest["logs"]), '{"path": "half']
-    (out / JOURNAL).write_text("\n".join(text))
-    rows = convert(tiny[:3], out)
-    assert [row.skipped for row in rows] == [True, True, False]
-    assert not (out / JOURNAL).exists()
-    assert len(json.loads((out / MANIFEST).read_text())["logs"]) == 3
+    for row in manifest["logs"]:
+        row |= {"files": {}, "rows": 0, "error": BEGUN}
+    (out / MANIFEST).write_text(json.dumps(manifest))
 
 
-def test_with_other_options_a_journal_counts_for_nothing(tmp_path, tiny):
-    out = tmp_path / "out"
-    (out).mkdir()
-    head = {"version": 2, "options": {"format": "csv"}}
-    (out / JOURNAL).write_text(json.dumps(head) + "\n")
-    (row,) = convert(tiny[:1], out)
-    assert (row.error, row.skipped) == (None, False)
-    assert not (out / JOURNAL).exists()
+def test_nothing_is_left_of_a_killed_run(tiny, tmp_path):
+    """Parts are those of a fleet, which a run with other limits would not replace."""
+    rows = convert(tiny[:2], tmp_path)
+    interrupt(tmp_path)
+    folder = tmp_path / "HEARTBEAT"
+    left = [folder / f"{rows[0].name}{end}" for end in ("+0001.parquet", ".parquet.123-4.part")]
+    others = [folder / name for name in ("mine.parquet", f"{rows[0].name}.parquet.part")]
+    for path in (*left, *others):
+        path.write_text("left")
+    (again,) = convert(tiny[:1], tmp_path)
+    assert (again.error, again.skipped) == (None, False)
+    found = {folder / f"{rows[0].name}.parquet", *others}
+    assert set(folder.iterdir()) == found, "of the other log nothing is left"
 
 
-@pytest.mark.parametrize(
-    "content", ["not a journal\n", "[]\n", '{"version": 2, "options": {}}\n7\n']
-)
+def test_drafts_of_a_killed_run_with_other_options_are_removed(tiny, tmp_path):
+    convert(tiny[:1], tmp_path)
+    interrupt(tmp_path)
+    left = tmp_path / "HEARTBEAT" / "0.parquet.123-4.part"
+    left.write_text("left")
+    (row,) = convert(tiny[:1], tmp_path, format="csv")
+    assert (row.error, row.skipped, left.exists()) == (None, False, False)
+
+
+@pytest.mark.parametrize("content", ["not a manifest\n", "[]\n", '{"version": 2, "options": {}}\n'])
 def test_a_file_of_something_else_is_not_replaced(tmp_path, tiny, content):
-    (tmp_path / JOURNAL).write_text(content)
-    with pytest.raises(ValueError, match=r"manifest\.journal"):
+    (tmp_path / MANIFEST).write_text(content)
+    with pytest.raises(ValueError, match=r"manifest\.json"):
         convert(tiny[:1], tmp_path)
-    assert (tmp_path / JOURNAL).read_text() == content
-
-
-def test_a_journal_without_a_whole_line_is_an_empty_one(tmp_path, tiny):
-    (tmp_path / JOURNAL).write_bytes(b'{"version": 2, "opt')
-    assert convert(tiny[:1], tmp_path)[0].error is None
-    assert not (tmp_path / JOURNAL).exists()
+    assert (tmp_path / MANIFEST).read_text() == content
 
 
 def test_the_manifest_is_written_now_and_then_and_not_for_each_log(tmp_path, tiny, monkeypatch):
@@ -179,11 +152,11 @@ def test_the_manifest_is_written_now_and_then_and_not_for_each_log(tmp_path, tin
         replace(source, target)
 
     monkeypatch.setattr("mavwire.logs.store.os.replace", count)
-    monkeypatch.setattr(journal, "PAUSE", 3600.0)
+    monkeypatch.setattr(manifest, "PAUSE", 3600.0)
     convert(tiny[:20], tmp_path / "late")
     assert len(written) == 2, "at the start and at the end"
-    monkeypatch.setattr(journal, "PAUSE", 0.0)
-    monkeypatch.setattr(journal, "SHARE", 0.0)
+    monkeypatch.setattr(manifest, "PAUSE", 0.0)
+    monkeypatch.setattr(manifest, "SHARE", 0.0)
     convert(tiny[:20], tmp_path / "often")
     assert len(written) == 2 + 21, "at the start and behind each log"
     assert outcome(tmp_path / "often") == outcome(tmp_path / "late")
@@ -259,7 +232,6 @@ def test_one_run_at_a_time(tiny, tmp_path):
 def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):
     draft = tmp_path / f"{MANIFEST}.123-0a1b2c3d.part"
     draft.write_text("{")
-    (tmp_path / JOURNAL).write_bytes(b'{"version": 2, "opt')
     convert(tiny[:1], tmp_path)
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == [MANIFEST]
 
@@ -274,64 +246,3 @@ def test_names_as_long_as_names_are(tiny, tmp_path, length, format, suffix):
     (row,) = convert([log], out, format=format, compression=compression)
     (made,) = (out / "HEARTBEAT").iterdir()
     assert (row.error, len(made.name)) == (None, length)
-    # What a run that was killed left of it is found again.
-    left = made.with_name(f"{draft_stem(made.name)}.123-4.part")
-    other = made.with_name(f"{draft_stem('y' + made.name[1:])}.123-4.part")
-    for path in (left, other):
-        path.write_text("left")
-    manifest = json.loads((out / MANIFEST).read_text())
-    manifest["logs"][0]["error"] = journal.BEGUN
-    (out / MANIFEST).write_text(json.dumps(manifest))
-    convert([log], out, format=format, compression=compression)
-    assert not left.exists() and other.exists() and made.exists()
-
-
-def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):
-    (row,) = convert(tiny[:1], tmp_path)
-    folder = tmp_path / "HEARTBEAT"
-    left = folder / f"{row.name}.parquet.123-4.part"
-    others = [folder / f"{row.name}.parquet.part", folder / f"other-{row.name}.parquet.1-2.part"]
-    for path in (left, *others):
-        path.write_text("left")
-    manifest = json.loads((tmp_path / MANIFEST).read_text())
-    manifest["logs"][0]["error"] = journal.BEGUN
-    (tmp_path / MANIFEST).write_text(json.dumps(manifest))
-    (again,) = convert(tiny[:1], tmp_path)
-    assert again.error is None and not again.skipped
-    assert not left.exists() and all(path.exists() for path in others)
-
-
-def test_drafts_of_a_killed_run_are_removed_where_many_logs_begin_together(tiny, tmp_path):
-    """As a fleet's do."""
-    rows = convert(tiny[:2], tmp_path)
-    left = [tmp_path / "HEARTBEAT" / f"{row.name}.parquet.123-4.part" for row in rows]
-    for path in left:
-        path.write_text("left")
-    noted = json.loads((tmp_path / MANIFEST).read_text())
-    noted["logs"][0]["error"] = journal.BEGUN
-    (tmp_path / MANIFEST).write_text(json.dumps(noted))
-    store = Store(str(tmp_path))
-    manifest = Manifest(store, noted["options"])
-    journal.Journal(store, manifest).begin_all({row.path: row.name for row in rows})
-    assert [path.exists() for path in left] == [False, True]
-
-
-@pytest.mark.parametrize("note", [MANIFEST, JOURNAL])
-def test_drafts_of_a_killed_run_with_other_options_are_removed(tiny, tmp_path, note):
-    """Nobody else would: the manifest that names their log begins anew."""
-    (row,) = convert(tiny[:1], tmp_path)
-    folder = tmp_path / "HEARTBEAT"
-    left = [folder / f"{name}.parquet.123-4.part" for name in (row.name, f"{row.name}+0001")]
-    other = folder / "other.parquet.1-2.part"
-    for path in (*left, other):
-        path.write_text("left")
-    manifest = json.loads((tmp_path / MANIFEST).read_text())
-    (begun,) = manifest.pop("logs")
-    begun |= {"error": journal.BEGUN, "parts": [f"{row.name}+0001"]}
-    if note == JOURNAL:
-        (tmp_path / JOURNAL).write_text(f"{json.dumps(manifest)}\n{json.dumps(begun)}\n")
-        (tmp_path / MANIFEST).unlink()
-    else:
-        (tmp_path / MANIFEST).write_text(json.dumps(manifest | {"logs": [begun]}))
-    convert(tiny[1:2], tmp_path, format="csv")
-    assert not any(path.exists() for path in left) and other.exists()
