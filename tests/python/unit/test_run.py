@@ -72,12 +72,9 @@ def test_program_sees_what_python_shows(folder: Path, arguments: list[str]) -> N
     assert result.stderr == ""
 
 
-def test_absolute_path_and_stdin(folder: Path) -> None:
+def test_absolute_path(folder: Path) -> None:
     path = str(folder / "sub" / "report.py")
     assert mavwire_run(path, cwd=folder).stdout == python(path, cwd=folder).stdout
-    code = "import sys; print(sys.argv, sys.path[0], __name__)"
-    expected = python("-", "a", cwd=folder, stdin=code)
-    assert mavwire_run("-", "a", cwd=folder, stdin=code).stdout == expected.stdout
 
 
 def test_pymavlink_is_mavwire(folder: Path) -> None:
@@ -156,11 +153,12 @@ def test_classes_of_main_can_be_pickled_and_threads_outlive_the_script(folder: P
         ([], 2, "name a script"),
         (["-m"], 2, "name a script, or a module"),
         (["--frob", "x.py"], 2, "unknown option --frob"),
+        (["-"], 2, "unknown option -"),
         (["nowhere.py"], 2, "can't open file"),
         (["-m", "nonsense"], 1, "No module named nonsense"),
         (["-m", "nonsense.deeper"], 1, "No module named 'nonsense'"),
         (["-m", "xml"], 1, "cannot be directly executed"),
-        (["."], 1, "can't find '__main__' module in '.'"),
+        (["."], 1, "can't find '__main__' module in"),
     ],
 )
 def test_wrong_arguments(folder: Path, arguments: list[str], exit_code: int, reason: str) -> None:

@@ -12,13 +12,16 @@ these too.
 from __future__ import annotations
 
 import os
+import pkgutil
+import runpy
 import shutil
 import sys
 import sysconfig
 from argparse import REMAINDER, ArgumentParser
-from importlib import machinery, util
-from importlib.machinery import ModuleSpec
-from types import CodeType, ModuleType, TracebackType
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.machinery import SourceFileLoader
+from types import ModuleType, TracebackType
 from typing import NoReturn
 
 from mavwire._alias import AliasError, install_as_pymavlink
@@ -44,7 +47,7 @@ def main(arguments: list[str]) -> int:
     if not arguments or arguments == ["-m"]:
         _say("error: name a script, or a module after -m")
         return 2
-    if arguments[0].startswith("-") and arguments[0] not in ("-", "-m"):
+    if arguments[0].startswith("-") and arguments[0] != "-m":
         _say(f"error: unknown option {arguments[0]}")
         return 2
     try:
@@ -59,82 +62,48 @@ def main(arguments: list[str]) -> int:
 
 
 def _run_script(name: str, arguments: list[str]) -> None:
-    if name == "-":
-        sys.argv = [name, *arguments]
-        _set_first_path("")
-        _execute("<stdin>", sys.stdin.buffer.read(), _main_module(None))
-        return
     path = _find_script(name)
     sys.argv = [path, *arguments]
-    if _has_main(path):
-        path = os.path.abspath(path)
-        _set_first_path(path)
-        spec = machinery.PathFinder.find_spec("__main__", [path])
-        if spec is None:
-            _fail(f"can't find '__main__' module in '{name}'")
-        _run_spec(spec, name)
+    if pkgutil.get_importer(path) is not None:  # a folder, or a zip archive
+        _set_first_path(os.path.abspath(path))
+        _run_as_main("__main__", alter_argv=False)
         return
     with open(path, "rb") as file:
         source = file.read()
     _set_first_path(os.path.dirname(os.path.realpath(path)))
-    main = _main_module(None)
+    main = _main_module()
     main.__file__ = os.path.abspath(path)
-    main.__loader__ = machinery.SourceFileLoader("__main__", main.__file__)
-    _execute(main.__file__, source, main)
+    main.__loader__ = SourceFileLoader("__main__", main.__file__)
+    with _own_frames_hidden(main):
+        exec(compile(source, main.__file__, "exec", dont_inherit=True), main.__dict__)
 
 
 def _run_module(name: str, arguments: list[str]) -> None:
     sys.argv = ["-m", *arguments]
     _set_first_path(os.getcwd())
-    try:
-        spec = util.find_spec(name)
-        if spec is not None and spec.submodule_search_locations is not None:
-            spec = util.find_spec(name + ".__main__")
-            if spec is None:
-                _fail(
-                    f"No module named {name}.__main__; "
-                    f"'{name}' is a package and cannot be directly executed"
-                )
-    except (ModuleNotFoundError, ValueError) as error:
-        _fail(f"Error while finding module specification for '{name}' ({error})")
-    _run_spec(spec, name)
+    _run_as_main(name, alter_argv=True)
 
 
-def _run_spec(spec: ModuleSpec | None, name: str) -> None:
-    if spec is None:
-        _fail(f"No module named {name}")
-    loader = spec.loader
-    code = loader.get_code(spec.name) if hasattr(loader, "get_code") else None  # type: ignore[union-attr]
-    if code is None:
-        _fail(f"No code object available for {name}")
-    main = _main_module(spec)
-    if sys.argv[0] == "-m":
-        sys.argv[0] = spec.origin or name
-    _execute(spec.origin or name, code, main)
+def _run_as_main(name: str, alter_argv: bool) -> None:
+    """Run a module as the interpreter does for `-m` and for folders."""
+    with _own_frames_hidden(_main_module()):
+        runpy._run_module_as_main(name, alter_argv)  # type: ignore[attr-defined]
 
 
-def _main_module(spec: ModuleSpec | None) -> ModuleType:
+def _main_module() -> ModuleType:
     """A fresh ``__main__`` that stays in place, as the interpreter's own does: threads and pickle
     look it up.
     """
     main = ModuleType("__main__")
     main.__dict__["__builtins__"] = sys.modules["builtins"]
-    if spec is not None:
-        main.__spec__ = spec
-        main.__package__ = spec.parent
-        main.__loader__ = spec.loader
-        main.__file__ = spec.origin
-        main.__dict__["__cached__"] = spec.cached
     sys.modules["__main__"] = main
     return main
 
 
-def _execute(filename: str, program: bytes | CodeType, main: ModuleType) -> None:
+@contextmanager
+def _own_frames_hidden(main: ModuleType) -> Iterator[None]:
     try:
-        code = program
-        if isinstance(code, bytes):
-            code = compile(code, filename, "exec", dont_inherit=True)
-        exec(code, main.__dict__)
+        yield
     except SystemExit:
         raise
     except BaseException:
@@ -165,16 +134,6 @@ def _find_script(name: str) -> str:
         if found:
             return found
     _fail(f"can't open file '{os.path.abspath(name)}': No such file or directory", exit_code=2)
-
-
-def _has_main(path: str) -> bool:
-    if os.path.isdir(path):
-        return True
-    if not path.endswith((".zip", ".pyz", ".pyzw")):
-        return False
-    from zipfile import is_zipfile
-
-    return is_zipfile(path)
 
 
 def _set_first_path(entry: str) -> None:
