@@ -1,4 +1,4 @@
-"""A web server beside a bridge: aiohttp on a thread, and the rules for who may ask and for how long.
+"""A web server beside a bridge: aiohttp on a thread, and the rules for who may ask.
 
 The base of the inspector, the metrics and the WebSocket sink.
 """
@@ -10,7 +10,6 @@ import ipaddress
 import logging
 import re
 import socket
-from collections import Counter
 from contextlib import ExitStack, closing
 from urllib.parse import urlsplit
 
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     Tell = Callable[[web.WebSocketResponse], Awaitable[None]]
 
 MAX_CONNECTIONS = 64
-# Seconds for a request to arrive, and for a peer to take what was sent.
+# Seconds for a request to arrive, and how long a page may be silent.
 REQUEST_TIME = 10.0
 PATIENCE = 30.0
 # How often a conversation looks whether it shall end, and how long the end of all of them may take twice.
@@ -55,7 +54,7 @@ class WebServer:
 
     def __init__(self, bridge: Bridge, host: str, port: int, names: Iterable[str] = ()) -> None:
         self.bridge = bridge
-        self.requests, self.talks = _Places(), _Places()
+        self.connections: set[_Connection] = set()
         self._host = host
         self._names = frozenset(name.lower() for name in names)
         self._is_closing = False
@@ -120,7 +119,7 @@ class WebServer:
     async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
         connection = request.protocol
         assert isinstance(connection, _Connection)
-        connection.end_in(None)
+        connection.deadline.cancel()
         try:
             self.check(request)
             response = await self.get(request)
@@ -131,9 +130,6 @@ class WebServer:
         except RuntimeError:
             reason = "the bridge has stopped"
             return closed_after(web.Response(status=503, text=reason))
-        finally:
-            connection.is_answered = True
-            connection.end_in(PATIENCE)
 
     def check(self, request: web.BaseRequest) -> None:
         """Refuse a page of another site that asks in its visitor's name: the names in Host and Origin must be ours."""
@@ -174,8 +170,6 @@ class WebServer:
         self, request: web.BaseRequest, tell: Tell, hear: Callable[[str], None] | None = None
     ) -> web.WebSocketResponse:
         """Switch to WebSocket. `tell` sends until it returns; `hear` gets each text, and raises ValueError for nonsense."""
-        if not request.protocol.move_to(self.talks):  # type: ignore[attr-defined]
-            raise web.HTTPServiceUnavailable(text="too many others are connected")
         socket = web.WebSocketResponse(
             timeout=CLOSE_TIME / 2, max_msg_size=MAX_REQUEST, compress=False
         )
@@ -202,73 +196,26 @@ class WebServer:
         return socket
 
 
-class _Places(Counter[str]):
-    """Connections by host. Three quarters may be from one: nobody shuts all others out."""
-
-    def take(self, host: str) -> bool:
-        """Take a place for someone from `host`; False if there is none."""
-        if self.total() >= MAX_CONNECTIONS or self[host] >= MAX_CONNECTIONS * 3 // 4:
-            return False
-        self[host] += 1
-        return True
-
-    def leave(self, host: str) -> None:
-        """Someone from `host` goes."""
-        self[host] -= 1
-        if not self[host]:
-            del self[host]
-
-
 class _Connection(web.RequestHandler):
-    """A connection with a place and a deadline, for one request."""
+    """A connection for one request, which has to arrive in time."""
 
     def __init__(
         self, owner: WebServer, server: web.Server, loop: asyncio.AbstractEventLoop
     ) -> None:
         super().__init__(server, loop=loop, access_log=None, logger=_SILENT, lingering_time=0)  # type: ignore[arg-type]
-        self.is_answered = False
         self._owner = owner
-        self._places: _Places | None = None
-        self._end: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
-        self._peer = (transport.get_extra_info("peername") or ("",))[0]
-        self.end_in(REQUEST_TIME if self.move_to(self._owner.requests) else 0)
+        full = len(self._owner.connections) >= MAX_CONNECTIONS
+        self._owner.connections.add(self)
+        abort = transport.abort  # type: ignore[attr-defined]
+        self.deadline = self._loop.call_later(0 if full else REQUEST_TIME, abort)
 
     def connection_lost(self, exc: BaseException | None) -> None:
         super().connection_lost(exc)
-        self.end_in(None)
-        if self._places is not None:
-            self._places.leave(self._peer)
-
-    def move_to(self, places: _Places) -> bool:
-        """Change places; False if all are taken."""
-        if not places.take(self._peer):
-            return False
-        if self._places is not None:
-            self._places.leave(self._peer)
-        self._places = places
-        return True
-
-    def end_in(self, seconds: float | None) -> None:
-        """Hang up after so many seconds, and not before."""
-        if self._end is not None:
-            self._end.cancel()
-        transport: Any = self.transport
-        self._end = seconds if seconds is None else self._loop.call_later(seconds, transport.abort)
-
-    def eof_received(self) -> bool:  # type: ignore[override]
-        """Who has only said all that it has to say is answered."""
-        return self._places is self._owner.requests
-
-    def pause_writing(self) -> None:
-        super().pause_writing()
-        self.end_in(PATIENCE)
-
-    def resume_writing(self) -> None:
-        super().resume_writing()
-        self.end_in(PATIENCE if self.is_answered else None)
+        self.deadline.cancel()
+        self._owner.connections.discard(self)
 
     def handle_error(self, *arguments: Any, **named: Any) -> web.StreamResponse:
         return closed_after(super().handle_error(*arguments, **named))

@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 import math
 import socket
-import sys
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -225,25 +223,6 @@ def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
     assert ".tlog" in headers["Content-Disposition"]
     (tmp_path / "copy").write_bytes(log)
     assert [msg.get_seq() for msg in open_log(tmp_path / "copy")] == [9]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="loopback has a second address on Linux")
-def test_idle_connections_of_one_host_do_not_shut_others_out(
-    monkeypatch: pytest.MonkeyPatch, inspector: Inspector
-) -> None:
-    """Neither do pages, which are counted apart."""
-    monkeypatch.setattr(web_server, "MAX_CONNECTIONS", 4)
-    with ExitStack() as stack:
-        pages = [stack.enter_context(PageClient(inspector.port, "/ws")) for _ in range(3)]
-        assert [page.status for page in pages] == [101] * 3
-        assert refused(inspector.port, "/ws") == 503
-        where = ("127.0.0.1", inspector.port)
-        for _ in range(8):
-            stack.enter_context(socket.create_connection(where, LIMIT))
-        other = socket.create_connection(where, LIMIT, ("127.0.0.2", 0))
-        stack.enter_context(other)
-        other.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
-        assert other.recv(15) == b"HTTP/1.1 200 OK"
 
 
 def test_a_request_that_never_ends_is_given_up(

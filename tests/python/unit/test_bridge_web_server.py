@@ -11,7 +11,6 @@ import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +20,6 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'ma
 
 from mavwire import Bridge
 from mavwire.bridge import web_server
-from mavwire.bridge.inspector_server import Inspector
 from mavwire.bridge.metrics import MetricsServer, prometheus
 from mavwire.bridge.sinks import CLOSE_TIME, Sink
 from mavwire.dialects.v20 import all as mavlink
@@ -95,17 +93,23 @@ def test_a_sink_that_gets_no_thread_takes_no_frames(
     assert batches.next(LIMIT) is None, "the bridge gathers no frames for it"
 
 
-def test_who_takes_nothing_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(web_server, "PATIENCE", 0.5)
-    with Bridge(record=tmp_path) as bridge, Inspector(bridge, "127.0.0.1", 0) as server:
-        with Path(bridge.stats()["recording"]["path"]).open("ab") as log:
-            log.truncate(64 << 20)
-        with socket.socket() as client:
-            client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            client.connect(("127.0.0.1", server.port))
-            client.sendall(b"GET /recording HTTP/1.1\r\nHost: localhost\r\n\r\n")
-            wait_until("the request", lambda: server.requests.total() == 1)
-            wait_until("the end", lambda: server.requests.total() == 0)
+def test_connections_are_bounded_and_idle_ones_end(
+    monkeypatch: pytest.MonkeyPatch, bridge: Bridge
+) -> None:
+    monkeypatch.setattr(web_server, "MAX_CONNECTIONS", 4)
+    with ExitStack() as stack:
+        server = stack.enter_context(MetricsServer(bridge, "127.0.0.1", 0))
+        where = ("127.0.0.1", server.port)
+        for _ in range(4):
+            stack.enter_context(socket.create_connection(where, LIMIT))
+        wait_until("all", lambda: len(server.connections) == 4)
+        with socket.create_connection(where, LIMIT) as other:
+            assert other.recv(1) == b""
+        monkeypatch.setattr(web_server, "MAX_CONNECTIONS", 64)
+        monkeypatch.setattr(web_server, "REQUEST_TIME", 0.1)
+        with socket.create_connection(where, LIMIT) as idle:
+            assert idle.recv(1) == b""
+        assert status(server.port) == b"200"
 
 
 def test_an_answer_says_nothing_of_the_library(bridge: Bridge) -> None:
@@ -135,7 +139,7 @@ def test_closing_takes_no_longer_than_promised(bridge: Bridge, is_busy: bool) ->
             client = socket.create_connection(("127.0.0.1", server.port), LIMIT)
             stack.enter_context(client)
             client.sendall(b"GET /" if is_busy else b"")
-        wait_until("all", lambda: server.requests.total() == 8)
+        wait_until("all", lambda: len(server.connections) == 8)
         begun = time.monotonic()
         server.close()
         assert time.monotonic() - begun < CLOSE_TIME
