@@ -137,9 +137,12 @@ class Store:
 
 
 def is_draft(name: str) -> bool:
-    """Whether a file is called as incomplete ones of a conversion, or of the manifest, are."""
-    stem = _DRAFT.fullmatch(name)
-    return stem is not None and any(suffix in stem[1] for suffix in (*SUFFIXES, ".json"))
+    """Whether a file is called as incomplete ones of a conversion, or of the manifest, are. Long names are replaced
+    by `mavwire-...`.
+    """
+    draft = _DRAFT.fullmatch(name)
+    stem = "" if draft is None else draft[1]
+    return stem.startswith("mavwire-") or any(suffix in stem for suffix in (*SUFFIXES, ".json"))
 
 
 def draft_of(path: str) -> str:
