@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import threading
 import weakref
-from contextlib import suppress
-
-from mavwire._threads import start_thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import asyncio
-    from concurrent.futures import Future
     from typing import Self
 
     from mavwire._native import BridgeTap, FrameBatch
+
+# Seconds that a thread of asyncio waits for frames: the end of `asyncio.run` waits for the thread.
+LOOK_TIME = 0.2
 
 
 class FrameBatches:
@@ -29,10 +27,7 @@ class FrameBatches:
         weakref.finalize(self, tap.close).atexit = False  # a thread may wait for it
         self._max_batch = max_batch
         self._max_latency = max_latency
-        # One of asyncio's own threads would be waited for at the end of `asyncio.run`.
-        self._fetcher: threading.Thread | None = None
-        self._fetching: Future[FrameBatch | None] | None = None
-        self._awaited: asyncio.Future[FrameBatch | None] | None = None
+        self._fetching: asyncio.Task[FrameBatch | None] | None = None
 
     def next(self, timeout: float | None = None) -> FrameBatch | None:
         """The next batch: empty if nothing came for `timeout` seconds, None at the end."""
@@ -64,49 +59,18 @@ class FrameBatches:
 
         while True:
             fetching = self._fetching
-            # A forked child has no fetcher, even if its parent was fetching.
-            if fetching is None or not (fetching.done() or self._is_fetching()):
-                fetching, self._awaited = self._fetch(), None
-                self._fetching = fetching
-            if not fetching.done():
-                # A task that is cancelled here leaves the fetched frames to the next one.
-                with suppress(Exception):  # which `result` raises
-                    await asyncio.shield(self._in_loop(fetching))
+            if fetching is None or fetching.get_loop() is not asyncio.get_running_loop():
+                look = asyncio.to_thread(self.next, LOOK_TIME)
+                fetching = self._fetching = asyncio.ensure_future(look)
+            # A task that is cancelled here leaves the fetched frames to the next one.
+            batch = await asyncio.shield(fetching)
             if self._fetching is not fetching:
                 continue  # another task was quicker
-            self._fetching = self._awaited = None
-            batch = fetching.result()
+            self._fetching = None
             if batch is None:
                 raise StopAsyncIteration
-            return batch
-
-    def _in_loop(self, fetching: Future[FrameBatch | None]) -> asyncio.Future[FrameBatch | None]:
-        """What is fetched, for the loop that runs: one future, however many wait for it and give up."""
-        import asyncio
-
-        if self._awaited is None or self._awaited.get_loop() is not asyncio.get_running_loop():
-            self._awaited = asyncio.wrap_future(fetching)
-        return self._awaited
-
-    def _is_fetching(self) -> bool:
-        return self._fetcher is not None and self._fetcher.is_alive()
-
-    def _fetch(self) -> Future[FrameBatch | None]:
-        """The next batch, once it is there: of a thread, since an event loop must not wait for it."""
-        from concurrent.futures import Future
-
-        tap, limits = self._tap, (self._max_batch, self._max_latency)
-        fetching: Future[FrameBatch | None] = Future()
-        fetching.set_running_or_notify_cancel()  # so that cancelling a wait for it leaves it alone
-
-        def fetch() -> None:
-            try:
-                fetching.set_result(tap.next(*limits, None))
-            except BaseException as error:
-                fetching.set_exception(error)
-
-        self._fetcher = start_thread(fetch, "mavwire-frames")
-        return fetching
+            if len(batch):
+                return batch
 
     def __enter__(self) -> Self:
         return self

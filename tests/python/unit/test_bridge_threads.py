@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from unittest import mock
 
 import pytest
 from mavwire import Bridge, open_log
@@ -16,51 +12,7 @@ from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, run_alone
 from unit.link_tools import at_once
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 BEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-
-
-def test_a_cancelled_wait_keeps_nobody() -> None:
-    """Neither asyncio's threads, which others need, nor the end of the loop."""
-
-    async def main() -> Bridge:
-        asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor(1))
-        bridge = Bridge().start()
-        full = bridge.frames(max_batch=1000, max_latency=1e6)
-        waits = [asyncio.create_task(anext(one)) for one in (full, bridge.frames())]
-        await asyncio.sleep(0)
-        bridge.send(BEAT)
-        await waits[1]
-        await asyncio.wait_for(asyncio.to_thread(lambda: None), LIMIT)
-        waits[0].cancel()
-        return bridge
-
-    asyncio.run(main()).stop()
-
-
-def test_waits_that_are_given_up_leave_nothing_behind() -> None:
-    class Counting(Future):  # type: ignore[type-arg]
-        waits = 0
-
-        def add_done_callback(self, fn: Callable[..., Any]) -> None:
-            type(self).waits += 1
-            super().add_done_callback(fn)
-
-    async def main() -> None:
-        with Bridge() as bridge, bridge.frames() as batches:
-            for _ in range(100):
-                wait = asyncio.ensure_future(anext(batches))
-                await asyncio.sleep(0)
-                wait.cancel()
-                await asyncio.wait([wait])
-            assert Counting.waits == 1
-            bridge.send(BEAT)
-            assert len(await asyncio.wait_for(anext(batches), LIMIT)) == 1
-
-    with mock.patch("concurrent.futures.Future", Counting):
-        asyncio.run(main())
 
 
 def test_a_handler_that_sends_interrupts_one_that_sends() -> None:
