@@ -64,21 +64,21 @@ def border_from(
     }
     for name in ("verify_in", "sign_out"):
         if flags[name] and key is None:
-            raise ConfigError(f"{name} needs signing_key or signing_key_file", name)
+            raise ConfigError(f"{name} needs signing_key or signing_key_file")
     if key is not None and not (flags["verify_in"] or flags["sign_out"]):
         name = "signing_key" if "signing_key" in options else "signing_key_file"
-        raise ConfigError(f"{name} does nothing without verify_in or sign_out", name)
+        raise ConfigError(f"{name} does nothing without verify_in or sign_out")
     if flags["sign_out"] and version == 1:
         reason = "sign_out needs version 2: frames of version 1 carry no signature"
-        raise ConfigError(reason, "sign_out")
+        raise ConfigError(reason)
     if flags["sign_out"] and flags["strip_out"]:
-        raise ConfigError("sign_out and strip_out exclude each other", "strip_out")
+        raise ConfigError("sign_out and strip_out exclude each other")
     unsigned = options.get("allow_unsigned_in")
     if unsigned is not None and not flags["verify_in"]:
-        raise ConfigError("allow_unsigned_in does nothing without verify_in", "allow_unsigned_in")
+        raise ConfigError("allow_unsigned_in does nothing without verify_in")
     ahead = options.get("max_ahead_in")
     if ahead is not None and not flags["verify_in"]:
-        raise ConfigError("max_ahead_in does nothing without verify_in", "max_ahead_in")
+        raise ConfigError("max_ahead_in does nothing without verify_in")
     return Border(
         version=version,
         key=key,
@@ -97,7 +97,7 @@ def automation_from(options: Mapping[str, Any]) -> Automation:
     heartbeat, rate = options.get("heartbeat"), options.get("request_streams")
     if "own_system" in options and heartbeat is None and rate is None:
         reason = "own_system does nothing without heartbeat or request_streams"
-        raise ConfigError(reason, "own_system")
+        raise ConfigError(reason)
     return Automation(
         system=system,
         heartbeat=None if heartbeat is None else seconds("heartbeat", heartbeat, least=0.01),
@@ -111,7 +111,7 @@ def _key(options: Mapping[str, Any]) -> bytes | None:
     name = "signing_key"
     if path is not None:
         if key is not None:
-            raise ConfigError("say signing_key or signing_key_file, not both", "signing_key")
+            raise ConfigError("say signing_key or signing_key_file, not both")
         name = "signing_key_file"
         key = content(name, path, MAX_KEY_FILE)
     if key is None:
@@ -124,5 +124,5 @@ def _key(options: Mapping[str, Any]) -> bytes | None:
     except ValueError:
         decoded = b""
     if len(decoded) != KEY_LENGTH:
-        raise ConfigError(f"{name} must be 32 bytes, or 64 hexadecimal digits", name)
+        raise ConfigError(f"{name} must be 32 bytes, or 64 hexadecimal digits")
     return decoded

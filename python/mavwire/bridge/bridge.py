@@ -110,16 +110,15 @@ class Bridge:
         try:
             bridge = cls(record=config.recording, dialect=config.dialect, **config.settings)
         except ConfigError as error:
-            place = config.places.get(("", error.option), config.path)
-            raise (error.at(place) if place else error) from None
+            raise (error.at(config.path) if config.path else error) from None
         names = set()
         for where, endpoint, options in config.links:
             try:
                 link = bridge._link(endpoint, options)
                 if link.name in names:
-                    raise ConfigError(f"another link is called {link.name!r} too", "name")
+                    raise ConfigError(f"another link is called {link.name!r} too")
             except ConfigError as error:
-                raise error.at(config.places.get((where, error.option), where)) from None
+                raise error.at(where) from None
             bridge._links.append(link)
             names.add(link.name)
         return bridge
@@ -333,4 +332,4 @@ def _module(dialect: Dialects) -> Any:
     try:
         return dialect_module(dialect)
     except ValueError as error:
-        raise ConfigError(f"dialect: {error}", "dialect") from None
+        raise ConfigError(f"dialect: {error}") from None

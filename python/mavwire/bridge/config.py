@@ -20,8 +20,6 @@ class Config:
 
     links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
     """Place in the file, endpoint, options."""
-    places: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Place of a link ("" for the bridge itself) and name of an option -> place of the option."""
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
     dialect: Any = UPSTREAM

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from contextlib import contextmanager
 
 from mavwire.dialects import UPSTREAM
@@ -28,7 +27,7 @@ MAX_SIZE = 1 << 20
 def load_config(path: str | os.PathLike[str]) -> Config:
     """Read a file: TOML if its name ends so, else mavlink-router's format.
 
-    ConfigError (a ValueError) names the file and the line; OSError if it cannot be read.
+    ConfigError (a ValueError) names the file and what is wrong in it; OSError if it cannot be read.
     """
     name = os.fspath(path)
     with open(name, "rb") as file:
@@ -51,12 +50,11 @@ def _toml(name: str, text: str) -> Config:
 
 
 class _Toml:
-    """A TOML file that is read; what it says of a wrong option starts with where that stands."""
+    """A TOML file that is read. Errors name the file, the table and the option."""
 
     def __init__(self, name: str, text: str) -> None:
         self._name = name
         self._content = _content(name, text)
-        self._lines = _key_lines(text)
 
     def config(self) -> Config:
         content, config = self._content, Config(path=self._name)
@@ -77,10 +75,9 @@ class _Toml:
                 config.json = seconds("json", content["json"], least=1e-3)
             for option in ("link", "sink"):
                 if not isinstance(content.get(option, []), list):
-                    raise ConfigError(f"say [[{option}]], not [{option}]", option)
+                    raise ConfigError(f"say [[{option}]], not [{option}]")
         except ConfigError as error:
-            raise error.at(self._place(error.option)) from None
-        config.places = {("", option): self._place(option) for option in content}
+            raise error.at(self._name) from None
         if "record" in content:
             config.recording = self._recording(content["record"])
         config.http = self._listen("http")
@@ -90,54 +87,43 @@ class _Toml:
             self._add(config, number, link)
         return config
 
-    def _place(self, *path: str | int) -> str:
-        """File and line of a key, or of what it is in."""
-        ends = range(len(path), 0, -1)
-        line = next((self._lines[path[:n]] for n in ends if path[:n] in self._lines), None)
-        return self._name if line is None else f"{self._name}:{line}"
-
     @contextmanager
-    def _named(self, title: str, *path: str | int) -> Iterator[None]:
-        """Errors inside begin with the place of their option, and with a title."""
+    def _named(self, title: str) -> Iterator[None]:
+        """Errors inside begin with the name of the file and a title."""
         try:
             yield
         except ConfigError as error:
-            raise error.at(f"{self._place(*path, error.option)}: {title}") from None
+            raise error.at(f"{self._name}: {title}") from None
 
     def _recording(self, record: Any) -> Recording:
-        with self._named("record", "record"):
+        with self._named("record"):
             if not isinstance(record, dict) or "directory" not in record:
                 raise ConfigError("it needs a directory")
             only_known(record, ("directory", "max_bytes", "max_age", "flush_interval"))
             return Recording(**record)
 
     def _listen(self, name: str) -> Listen | None:
-        with self._named(name, name):
-            place = f"{self._place(name, 'listen')}: {name}"
-            return listen_from(self._content[name], place) if name in self._content else None
+        if name not in self._content:
+            return None
+        with self._named(name):
+            return listen_from(self._content[name], f"{self._name}: {name}")
 
     def _sink(self, number: int, table: Any) -> SinkOptions:
         title = f"sink {number + 1}"
-        with self._named(title, "sink", number):
-            return sink_from(table, f"{self._place('sink', number, 'address')}: {title}")
+        with self._named(title):
+            return sink_from(table, f"{self._name}: {title}")
 
     def _add(self, config: Config, number: int, link: Any) -> None:
         title = f"link {number + 1}"
         if not isinstance(link, dict) or "endpoint" not in link:
-            place = self._place("link", number)
             reason = "it needs an endpoint, such as 'udpin:0.0.0.0:14550'"
-            raise ConfigError(f"{place}: {title}: {reason}")
+            raise ConfigError(f"{self._name}: {title}: {reason}")
         options = {key: value for key, value in link.items() if key != "endpoint"}
         if isinstance(options.get("name"), str):
             title += f" ({options['name']!r})"
-        places = {key: f"{self._place('link', number, key)}: {title}" for key in link}
-        try:
+        with self._named(title):
             endpoint = parse_endpoint(text("endpoint", link["endpoint"]))
-        except ConfigError as error:
-            raise error.at(places["endpoint"]) from None
-        where = f"{self._place('link', number)}: {title}"
-        config.links.append((where, endpoint, options))
-        config.places.update(((where, key), place) for key, place in places.items())
+        config.links.append((f"{self._name}: {title}", endpoint, options))
 
 
 def _line(error: ValueError, text: str) -> int:
@@ -157,24 +143,3 @@ def _content(name: str, text: str) -> dict[str, Any]:
         raise ConfigError(f"{name}:{_line(error, text)}: {error}") from None
     except ValueError:  # what int() says is nothing that a user can act upon
         raise ConfigError(f"{name}: a number has thousands of digits") from None
-
-
-def _key_lines(text: str) -> dict[tuple[str | int, ...], int]:
-    """The line of each key and table by its path, such as `("link", 1, "endpoint")` for the second [[link]].
-
-    `tomllib` does not tell it. Keys within a value, as of an inline table, are not among them.
-    """
-    lines: dict[tuple[str | int, ...], int] = {}
-    counts: Counter[str] = Counter()
-    table: tuple[str | int, ...] = ()
-    for number, line in enumerate(text.splitlines(), 1):
-        if header := re.match(r"\s*(\[\[?)\s*([\w.-]+)\s*\]", line):
-            first, *rest = header[2].split(".")
-            counts[first] += header[1] == "[[" and not rest
-            table = (first, counts[first] - 1, *rest) if counts[first] else (first, *rest)
-            lines.setdefault(table, number)
-        elif key := re.match(r"""\s*["']?([\w.-]+)["']?\s*=""", line):
-            names = key[1].split(".")
-            lines.setdefault((*table, names[0]), number)
-            lines.setdefault((*table, *names), number)
-    return lines

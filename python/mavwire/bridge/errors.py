@@ -6,19 +6,11 @@ from mavwire import _native
 
 
 class ConfigError(ValueError):
-    """An option that is wrong; the text says which one and where. `option` is its name, if it has one."""
-
-    def __init__(self, text: str, option: str = "") -> None:
-        super().__init__(text)
-        self.option = option
-
-    def within(self, option: str) -> ConfigError:
-        """The same about a part of an option."""
-        return ConfigError(f"{option}: {self}", option)
+    """An option that is wrong; the text says which one and where."""
 
     def at(self, place: str) -> ConfigError:
-        """The same with where it stands in front."""
-        return ConfigError(f"{place}: {self}", self.option)
+        """The same with the file, table or option in front."""
+        return ConfigError(f"{place}: {self}")
 
 
 # Where the system has no bridge the name must be there all the same, for `except`.

@@ -80,7 +80,7 @@ class Recording:
     def __post_init__(self) -> None:
         if not isinstance(self.directory, str | os.PathLike):
             reason = f"the directory to record to must be a path, not {self.directory!r}"
-            raise ConfigError(reason, "directory")
+            raise ConfigError(reason)
         if self.max_bytes is not None:
             whole("max_bytes", self.max_bytes, 2**63 - 1, least=1)
         if self.max_age is not None:
@@ -133,7 +133,7 @@ def endpoint_options(
 
     for name in ("heartbeat", "request_streams"):
         if options.get("silent") and options.get(name) is not None:
-            raise ConfigError(f"silent and {name} exclude each other: nothing leaves there", name)
+            raise ConfigError(f"silent and {name} exclude each other: nothing leaves there")
     urgent = options.get("urgent")
     bytes_per_second = rate("bytes_per_second", options.get("bytes_per_second"))
     return EndpointOptions(
@@ -198,7 +198,7 @@ def _rates(
     if rates is None:
         return []
     if not hasattr(rates, "items"):
-        raise ConfigError(f"rates must map messages to numbers, not {rates!r}", "rates")
+        raise ConfigError(f"rates must map messages to numbers, not {rates!r}")
     known: dict[int, float] = {}
     try:
         for name, each in rates.items():
@@ -207,7 +207,7 @@ def _rates(
                 raise ConfigError(f"{name!r} is a message that was named before")
             known[msgid] = rate(str(name), each) or 0.0
     except ConfigError as error:
-        raise error.within("rates") from None
+        raise error.at("rates") from None
     return list(known.items())
 
 
@@ -215,7 +215,7 @@ def _named(option: str, message_id: Callable[[object], int], value: object) -> i
     try:
         return message_id(value)
     except ConfigError as error:
-        raise error.within(option) from None
+        raise error.at(option) from None
 
 
 def _retry(value: object) -> float | None:

@@ -34,17 +34,12 @@ class SinkOptions:
     names: tuple[str, ...] = ()
     place: str = ""
 
-    @property
-    def takes_names(self) -> bool:
-        """Whether others connect to it."""
-        return self.address.lower().startswith("ws:")
-
 
 def listen_address(address: str) -> tuple[str, int]:
     """[HOST]:PORT. ConfigError."""
     host, _, port = address.rpartition(":")
     if not (port.isascii() and port.isdecimal() and len(port) < 6 and int(port) < 65536):
-        raise ConfigError(f"not [HOST]:PORT: {address!r}", "listen")
+        raise ConfigError(f"not [HOST]:PORT: {address!r}")
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
@@ -78,7 +73,7 @@ def _password(name: str, path: object) -> str:
     try:
         password = content(name, path, MAX_PASSWORD).decode().partition("\n")[0].rstrip("\r")
     except UnicodeDecodeError:
-        raise ConfigError(f"{name}: {path}: not text", name) from None
+        raise ConfigError(f"{name}: {path}: not text") from None
     if not password:
-        raise ConfigError(f"{name}: {path}: its first line is empty", name)
+        raise ConfigError(f"{name}: {path}: its first line is empty")
     return password

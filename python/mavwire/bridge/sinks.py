@@ -195,9 +195,9 @@ def open_sink(
     if "@" in text and word != "zenoh":
         shown = f"{word}://{text.rpartition('@')[2]}"  # without the password
     if password is not None and word not in ("mqtt", "mqtts"):
-        raise ConfigError(f"{shown}: only a broker of MQTT is told a password", "password_file")
+        raise ConfigError(f"{shown}: only a broker of MQTT is told a password")
     if names and word != "ws":
-        raise ConfigError(f"{shown}: only ws: answers to names", "names")
+        raise ConfigError(f"{shown}: only ws: answers to names")
     if word == "zenoh":
         publisher, prefix = _zenoh(place), DEFAULT_PREFIX
     elif word in ("mqtt", "mqtts"):
@@ -242,7 +242,7 @@ def _mqtt(text: str, password: str | None) -> tuple[Publisher, str]:
     if url.password is not None:
         if password is not None:
             reason = "a password stands in the address and beside it; say one"
-            raise ConfigError(reason, "password_file")
+            raise ConfigError(reason)
         password = unquote(url.password)
     if password is not None and user is None:
         raise ConfigError("a password needs a user: mqtts://USER@HOST")

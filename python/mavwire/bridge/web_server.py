@@ -141,7 +141,9 @@ class WebServer:
         if not self.answers_to(host or "") or not (
             origin is None or self.welcomes(origin, host or "")
         ):
-            raise web.HTTPForbidden(text="not for this host or origin: --http-name adds one")
+            raise web.HTTPForbidden(
+                text="not for this host or origin: names = [...] in the configuration file adds one"
+            )
 
     def answers_to(self, host: str) -> bool:
         """Whether a Host header may name this server. Anyone can have another name lead here, and its page ask."""

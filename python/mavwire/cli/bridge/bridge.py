@@ -40,10 +40,6 @@ if TYPE_CHECKING:
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
-# What a `Recording` calls the command's options.
-RECORDING_OPTIONS = {
-    "max_bytes": "record_size", "max_age": "record_time", "flush_interval": "record_flush",
-}  # fmt: skip
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -97,11 +93,6 @@ def add_arguments(parser: ArgumentParser) -> None:
             option, type=listen_address, metavar="[HOST]:PORT",
             help=f"serve {what}; HOST is 127.0.0.1 if not given",
         )
-    add(
-        "--http-name", metavar="NAME", action="append", default=[],
-        help="another name of this host, or of a proxy in front of it, that --http, --metrics and WebSocket sinks "
-        "answer to; may be repeated",
-    )
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
         help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh:, zenoh:tcp/HOST:PORT, "
@@ -167,18 +158,16 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
         _add_options(config, args)
         if args.json is not None:
             seconds("--json", args.json, least=1e-3)
-        given: dict[str, Any] = {
-            name: getattr(args, option)
-            for name, option in RECORDING_OPTIONS.items()
-            if getattr(args, option) is not None
-        }
+        limits = {
+            "max_bytes": args.record_size, "max_age": args.record_time,
+            "flush_interval": args.record_flush,
+        }  # fmt: skip
+        given = {name: value for name, value in limits.items() if value is not None}
         if args.record is not None:
             try:
                 config.recording = Recording(args.record, **given)
             except ConfigError as error:
-                option = f"--{RECORDING_OPTIONS[error.option].replace('_', '-')}"
-                reason = str(error).replace(error.option, option, 1)
-                raise CommandError(reason, 2) from None
+                raise error.at("--record") from None
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
         bridge = Bridge.from_options(config)
@@ -197,24 +186,8 @@ def _add_options(config: Config, args: Namespace) -> None:
             place = f"--{name} {host}:{port}"
             setattr(config, name, replace(known, host=host, port=port, place=place))
     config.sinks += [SinkOptions(text, place="--sink") for text in args.sink]
-    if args.http_name:
-        _add_names(config, tuple(args.http_name))
     if args.json is None:
         args.json = config.json
-
-
-def _add_names(config: Config, names: tuple[str, ...]) -> None:
-    """Have everything that listens answer to further names."""
-    takes_names = [one.takes_names for one in config.sinks]
-    if not (config.http or config.metrics or any(takes_names)):
-        raise CommandError("--http-name needs --http, --metrics or a sink ws://", 2)
-    for option in ("http", "metrics"):
-        if (server := getattr(config, option)) is not None:
-            setattr(config, option, replace(server, names=server.names + names))
-    config.sinks = [
-        replace(sink, names=sink.names + names) if takes else sink
-        for sink, takes in zip(config.sinks, takes_names, strict=True)
-    ]
 
 
 def _servers(bridge: Bridge, config: Config) -> Iterator[WebServer]:
