@@ -10,7 +10,7 @@ from mavwire._extras import extra
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.common_columns import common_columns, description_of
 from mavwire.logs.query import Values, takes
-from mavwire.logs.selection import has_message, names_of
+from mavwire.logs.selection import id_of, names_of
 from mavwire.logs.sources import open_dataflash
 from mavwire.logs.table import Table
 
@@ -89,9 +89,9 @@ def _described(path: str, how: dict[str, Any]) -> Described | None:
     """
     name, options = how["types"], how["storage_options"]
     module, _, selection = selection_of(**how)
-    if (len(name) > DATAFLASH_NAME_LEN and has_message(module, name)) or not begins_as_dataflash(
-        path, options
-    ):
+    if (
+        len(name) > DATAFLASH_NAME_LEN and id_of(module, name) is not None
+    ) or not begins_as_dataflash(path, options):
         return None
     with located(path, None, options) as source:
         tables = open_dataflash(source, path)

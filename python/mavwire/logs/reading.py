@@ -18,7 +18,7 @@ from .batches import Batches
 from .checks import check_described, check_tables, fields_of, no_record_type, no_rows
 from .common_columns import Surveys, empty_of
 from .query import Query, Types, takes
-from .selection import Selection, names_of, no_message, separate_fields, several
+from .selection import ID_PREFIX, Selection, names_of, no_message, separate_fields, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
@@ -151,9 +151,9 @@ def with_empty(
     tables: dict[str, RecordBatches], module: Any, native: Any, selection: Selection
 ) -> dict[str, RecordBatches]:
     """Tables, and those without rows of the messages that are wanted and not there."""
-    for msgid in selection.types or ():
-        name = module.mavlink_map[msgid].msgname
-        if name not in tables:
+    for name in selection.names or ():
+        msgid = getattr(module, f"{ID_PREFIX}{name}", None)  # other layouts have no such constant
+        if msgid in (selection.types or ()) and name not in tables:
             tables[name] = no_rows(native, msgid, selection)
     return tables
 

@@ -20,7 +20,7 @@ MAX_SYSTEM = 255
 MAX_ID = 0xFFFFFF
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 UNKNOWN = "UNKNOWN"
-_ID = "MAVLINK_MSG_ID_"
+ID_PREFIX = "MAVLINK_MSG_ID_"
 A_TIME = (
     "a time is seconds since 1970, a datetime, a datetime64 or a text such as 2024-01-31T12:00:00"
 )
@@ -150,7 +150,7 @@ def _telemetry_types(
     foreign: dict[str, str] = {}
     for one in types:
         is_known = not isinstance(one, str) or one.startswith(UNKNOWN)
-        if not is_known and not has_message(dialect, one):
+        if not is_known and id_of(dialect, one) is None:
             foreign[one] = no_message(dialect, one)
         else:
             known.append(one)
@@ -200,8 +200,8 @@ def ids_of(dialect: Any, types: Iterable[Any]) -> tuple[list[int], list[int] | N
             if len(digits.lstrip("0")) > len(str(MAX_ID)) or int(digits) > MAX_ID:
                 raise ValueError(f"there is no message {one!r}: ids are 0 to {MAX_ID}")
             unknown.add(int(digits))
-        elif has_message(dialect, one):
-            known.add(int(getattr(dialect, _ID + one)))
+        elif (msgid := id_of(dialect, one)) is not None:
+            known.add(msgid)
         elif one != UNKNOWN:
             raise ValueError(no_message(dialect, one))
     return sorted(known), None if UNKNOWN in types else sorted(unknown)
@@ -229,16 +229,24 @@ def several(values: Any) -> Iterator[Any]:
         return iter([values])
 
 
-def has_message(dialect: Any, name: object) -> bool:
-    """Whether there is a message of this name; BAD_DATA and UNKNOWN have negative ids, and are none."""
-    msgid = getattr(dialect, f"{_ID}{name}", None) if isinstance(name, str) else None
-    return isinstance(msgid, int) and msgid >= 0
+def id_of(dialect: Any, name: object) -> int | None:
+    """The id of the message, or of the other layout of an id, that has this name. None if there is none;
+    BAD_DATA and UNKNOWN have negative ids, and are none.
+    """
+    if not isinstance(name, str) or not hasattr(dialect, "MAVLink"):
+        return None
+    msgid = getattr(dialect, f"{ID_PREFIX}{name}", None)
+    try:
+        msgid = dialect.MAVLink(None)._dialect.message_class(name).id if msgid is None else msgid
+    except KeyError:
+        return None
+    return msgid if isinstance(msgid, int) and msgid >= 0 else None
 
 
 def no_message(dialect: Any, name: object) -> str:
     """The error for a message that a dialect does not have."""
-    names = [key.removeprefix(_ID) for key in vars(dialect) if key.startswith(_ID)]
-    names = [one for one in names if has_message(dialect, one)]
+    names = [key.removeprefix(ID_PREFIX) for key in vars(dialect) if key.startswith(ID_PREFIX)]
+    names = [one for one in names if id_of(dialect, one) is not None]
     hint = did_you_mean(name.upper(), names) if isinstance(name, str) else ""
     return f"the dialect {dialect.DIALECT} has no message {name!r}{hint}"
 

@@ -19,7 +19,7 @@ from .base import Log
 from .dialect import dialect_module, portable, restored
 from .format_error import COMPRESSED, not_telemetry
 from .query import Query, Records, Types, takes
-from .selection import Selection, has_message, no_message
+from .selection import Selection, id_of, no_message
 from .sources import check_has_records, file_status
 
 TYPE_CHECKING = False
@@ -129,7 +129,7 @@ class TelemetryLog(Log):
         A type that is not in the log gives an empty table. For several types, `read` needs one
         pass.
         """
-        if not has_message(self.dialect, name):
+        if id_of(self.dialect, name) is None:
             raise KeyError(no_message(self.dialect, name))
         return self.read(name)[name]
 
@@ -137,7 +137,7 @@ class TelemetryLog(Log):
         """Whether the log has messages of the type of that name. It is read up to the first one."""
         if not isinstance(what, str):
             return any(one == what for one in self)
-        if not has_message(self.dialect, what):
+        if id_of(self.dialect, what) is None:
             return False
         from .reading import batches_of
 

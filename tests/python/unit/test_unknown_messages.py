@@ -298,3 +298,17 @@ def test_commands_and_links_take_several_dialects(
         assert "VENDOR_STATE" in out.out and "EVENT" in out.out and out.err == ""
     assert cli.main(["info", *options, "--dialect", "ardupilotmga", str(log)]) == 1
     assert "no dialect" in capsys.readouterr().err
+
+
+def test_a_layout_is_chosen_by_its_own_name(tmp_path: Path) -> None:
+    old = [frame(36, 242, bytes([1, seq] * 10 + [3]), seq) for seq in range(4)]
+    mav = upstream.MAVLink(None, 1)
+    new = [upstream.MAVLink_servo_output_raw_message(1, *[seq] * 9).pack(mav) for seq in range(3)]
+    path = write(tmp_path / "both.tlog", *new, *old)
+    name = "SERVO_OUTPUT_RAW"
+    assert set(mavwire.read(path, name)) == {name, f"{name}_CRC242"}
+    assert set(mavwire.read(path, f"{name}_CRC242")) == {f"{name}_CRC242"}
+    log = mavwire.open_log(path)
+    assert len(log[f"{name}_CRC242"]) == 3
+    assert len(list(log.messages(f"{name}_CRC242"))) == 3
+    assert f"{name}_CRC242" in log and f"{name}_CRC1" not in log

@@ -1,6 +1,6 @@
 //! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -74,8 +74,17 @@ impl Query {
     /// Which records are wanted. The record types of a dataflash log need no dialect.
     pub(crate) fn wanted(&self, dialect: Option<&Dialect>) -> Wanted {
         let types = self.types.as_ref().zip(dialect).map(|(ids, dialect)| {
-            let messages = &dialect.registry.dialect().messages;
-            messages.iter().map(|message| ids.contains(&message.id)).collect()
+            let names: Option<HashSet<&str>> =
+                self.names.as_ref().map(|names| names.iter().map(String::as_str).collect());
+            let is_named = |name: &str| names.as_ref().is_none_or(|names| names.contains(name));
+            let own = dialect.registry.own_messages().iter();
+            let own: HashSet<u32> =
+                own.filter(|one| is_named(&one.name)).map(|one| one.id).collect();
+            // A message comes with the other layouts of its id. Such a layout comes alone.
+            let is_wanted =
+                |id, name: &str| ids.contains(&id) && (own.contains(&id) || is_named(name));
+            let messages = dialect.registry.dialect().messages.iter();
+            messages.map(|message| is_wanted(message.id, &message.name)).collect()
         });
         let systems = self.systems.as_ref();
         Wanted {
