@@ -15,38 +15,50 @@ from mavwire.cli._errors import tell
 
 if TYPE_CHECKING:
     from mavwire.logs.dialect import Dialects
+    from mavwire.logs.unknown import Counts
 
 DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
 def warn_if_foreign(
-    command: str, path: str, name: str | None = None, *, is_indexed: bool = False
-) -> bool:
-    """Warn of a file that mavutil finds no message in, and of a log that is empty or cut off in its
-    first record. Returns whether the file is no log for a command that reads messages.
+    command: str, path: str, name: str | None, unknown: Counts, *, is_indexed: bool
+) -> None:
+    """Warn of a file that mavutil finds no message in, of a log that is empty or cut off in its first
+    record, or else of the messages in `unknown`, which were printed though the dialect does not define them.
 
     `name` is the user's name of the file. `is_indexed` says that the command took records from the
     index of the log, which has some that reading from the start misses.
     """
-    if not os.path.isfile(path):
-        return False
+    said = _without_message(path, is_indexed) if os.path.isfile(path) else ""
+    if said or unknown:
+        _say(command, said or _undefined(unknown), path, name)
+
+
+def _without_message(path: str, is_indexed: bool) -> str:
+    """Why mavutil finds no message in a file; empty where it finds one."""
     from mavwire.links import state
+    from mavwire.logs import open_log
 
     try:
         kind = identify(path)
         if kind is LogKind.DATAFLASH or (kind.is_telemetry and (is_indexed or _begins(path, kind))):
-            return False
-        said, is_foreign = _lacking(path, state.mavlink)
+            return ""
+        said, _ = _lacking(path, state.mavlink)
         if not said and kind.is_telemetry and not _has_message(open_link(path)):
-            said, is_foreign = DAMAGED, True
+            with open_log(path, dialect=state.mavlink) as log:
+                unknown = log.info().unknown
+            return _undefined(unknown) if unknown else DAMAGED
     except OSError:  # gone since it was read
-        return False
-    if not said and kind in (LogKind.GZIP, LogKind.ZSTD):
-        said, is_foreign = COMPRESSED, True
-    if said:
-        _say(command, said, path, name)
-    return is_foreign
+        return ""
+    return said or (COMPRESSED if kind in (LogKind.GZIP, LogKind.ZSTD) else "")
+
+
+def _undefined(counts: Counts) -> str:
+    from mavwire.links import state
+    from mavwire.logs.unknown import unknown_text
+
+    return unknown_text(counts, state.mavlink, "option")
 
 
 def warn_without_records(

@@ -24,6 +24,7 @@ PROGRESS_EVERY = 20_000
 # The name of standard input in texts, and of its file. The suffix suits each kind of log.
 STANDARD_INPUT = "standard input"
 STANDARD_INPUT_FILE = "stdin.log"
+UNKNOWN_ID = "UNKNOWN_"
 # Seconds between looks at the end of a log that is followed.
 FOLLOW_EVERY = 0.05
 
@@ -108,6 +109,8 @@ class Reading:
         self.progress = progress
         self.by_index = False
         """Whether records were looked up by type."""
+        self.unknown: dict[tuple[int, int | None] | None, int] = {}
+        """Messages that were printed though the dialect does not define them, as `unknown_text` takes them."""
         self.is_text = self._is_text_log()
         self._checked: str | None = None
         """The condition whose names were checked."""
@@ -227,6 +230,12 @@ class Reading:
         self._checked = condition
         tell_unknown_in(condition, self)
 
+    def count_unknown(self, kind: str) -> None:
+        """Count a message that is printed, by its type."""
+        msgid = kind.removeprefix(UNKNOWN_ID)
+        if msgid != kind and msgid.isdecimal():  # a row of a CSV log may have any name
+            self.unknown[int(msgid), None] = self.unknown.get((int(msgid), None), 0) + 1
+
     def show_progress(self) -> None:
         """Update the progress bar."""
         self.progress.update(getattr(self.link, "percent", 0.0))
@@ -287,7 +296,7 @@ def reading(
     finally:
         progress.finish()
     if not options.get("notimestamps"):
-        warn_if_foreign(command, path, name, is_indexed=log.used_index)
+        warn_if_foreign(command, path, name, log.unknown, is_indexed=log.used_index)
 
 
 def results(

@@ -74,10 +74,10 @@ def long_log(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def dumped(capsysbinary: pytest.CaptureFixture[bytes], *options: str) -> bytes:
-    """Standard output of a run that must succeed without a word on standard error."""
+    """Standard output of a run that must succeed. On standard error it may name messages that are not defined."""
     assert cli.main(["dump", *options]) == 0
     captured = capsysbinary.readouterr()
-    assert captured.err == b""
+    assert all(b" are not in the dialect " in line for line in captured.err.splitlines())
     return captured.out
 
 
@@ -352,7 +352,7 @@ def test_standard_input(command: str, log: str, tmp_path: Path) -> None:
     def run(name: str, data: bytes) -> list[bytes]:
         arguments = [sys.executable, "-m", "mavwire", command, name]
         result = subprocess.run(arguments, input=data, capture_output=True, check=True)
-        assert result.stderr == b""
+        assert all(b" are not in the dialect " in line for line in result.stderr.splitlines())
         lines = result.stdout.replace(name.encode() + b":", b"").splitlines()
         return [line for line in lines if b"read in" not in line]
 

@@ -312,3 +312,49 @@ def test_a_layout_is_chosen_by_its_own_name(tmp_path: Path) -> None:
     assert len(log[f"{name}_CRC242"]) == 3
     assert len(list(log.messages(f"{name}_CRC242"))) == 3
     assert f"{name}_CRC242" in log and f"{name}_CRC1" not in log
+
+
+@pytest.fixture
+def events(tmp_path: Path) -> Path:
+    """A log of EVENT messages, which ardupilotmega does not define."""
+    mav = upstream.MAVLink(None, 1)
+    frames = [
+        upstream.MAVLink_event_message(0, 0, n, n, n, 0, [0] * 40).pack(mav) for n in range(9)
+    ]
+    return write(tmp_path / "events.tlog", *frames)
+
+
+@pytest.mark.parametrize(
+    "options", [[], ["--verbose"], ["--format", "json"], ["--types", "UNKNOWN_*"]]
+)
+def test_dump_says_which_messages_are_not_defined(
+    events: Path, options: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["dump", str(events), *options]) == 0
+    assert capsys.readouterr().err == (
+        "mavwire dump: 9 messages of id 410 are not in the dialect ardupilotmega: "
+        f"try `--dialect upstream`: {str(events)!r}\n"
+    )
+    assert cli.main(["dump", str(events), *options, "--source-system", "7"]) == 0
+    assert "UNKNOWN" not in capsys.readouterr().out
+    assert cli.main(["dump", str(events), "--dialect", "upstream"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("suffix", ["tlog", "bin"])
+def test_a_log_of_other_definitions_is_not_damaged(
+    suffix: str, tmp_path: Path, events: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"other.{suffix}"
+    frames = [frame(180, 5, bytes([seq, 0, 60]), seq) for seq in range(20)]
+    if suffix == "tlog":
+        write(path, *frames)
+    else:
+        path.write_bytes(b"".join(frames))
+    for command in ("dump", "loss"):
+        assert cli.main([command, str(path)]) == 0
+        assert "messages of id 180 have another definition (CRC_EXTRA 5)" in capsys.readouterr().err
+    assert cli.main(["info", str(path)]) == 0
+    assert capsys.readouterr().err == ""
+    assert cli.main(["parms", str(events)]) == 0
+    assert "9 messages of id 410 are not in the dialect" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from mavwire.cli._times import local_time
 from mavwire.cli.logs._dump_format import Csv
 
 if TYPE_CHECKING:
+    from mavwire.cli._reading import Reading
     from mavwire.cli.logs._dump_select import Selection
 
 # Options whose meaning depends on more than the message itself.
@@ -70,15 +71,20 @@ def open_without_index(args: Namespace) -> Any:
 
 def dump(
     args: Namespace,
-    log: Any,
+    log: Reading,
     selection: Selection,
     shape: Any,
     write: Callable[[bytes], Any],
     record: Callable[[bytes], Any] | None,
-    progress: Callable[[float], Any],
 ) -> None:
     """Dump a log that fits, from where it stands to its end."""
     from mavwire._native import dump_log
+
+    def wanted(kind: str) -> bool:
+        is_wanted = selection.wants(kind)
+        if is_wanted and not args.quiet:
+            log.count_unknown(kind)
+        return is_wanted
 
     is_table = isinstance(shape, Csv)
     # The native loop reads these; see `rust/py/src/dump`.
@@ -86,9 +92,9 @@ def dump(
         format="none" if args.quiet else args.format,
         write=write,
         record=record,
-        wanted=selection.wants,
+        wanted=wanted,
         types=selection.visited,
-        progress=progress,
+        progress=log.progress.update,
         source_system=args.source_system,
         source_component=args.source_component,
         link=args.link,
@@ -98,4 +104,4 @@ def dump(
         columns=shape.types if is_table else [],
         local_time=local_time,
     )
-    dump_log(log, options)
+    dump_log(log.link, options)

@@ -214,9 +214,9 @@ def _dump(
         writer.line(shape.header())
     log.by_index = selection.visited is not None
     if _dump_native.fits(args, link):
-        _dump_native.dump(args, link, selection, shape, writer.write, record, log.progress.update)
+        _dump_native.dump(args, log, selection, shape, writer.write, record)
     else:
-        sink = Sink(args, link, shape, writer, record, tables)
+        sink = Sink(args, log, shape, writer, record, tables)
         _dump_messages(args, log, selection, sink)
     writer.flush()
 
@@ -246,7 +246,7 @@ class Sink:
     def __init__(
         self,
         args: Namespace,
-        log: Any,
+        log: Reading,
         shape: Any,
         writer: Writer,
         record: Callable[[bytes], Any] | None,
@@ -255,9 +255,10 @@ class Sink:
         self.writer = writer
         self._tables = tables
         self._log = log
+        self._link = log.link
         self._shape = shape
         self._record = record
-        self._stamped = hasattr(log, "mav")
+        self._stamped = hasattr(log.link, "mav")
         self._silent = args.quiet
         # Text is left out where only the types are asked for.
         self._shows = not (args.show_types and args.format == "standard")
@@ -279,6 +280,7 @@ class Sink:
         """Print the message, and how many were lost since the one before."""
         if self._silent:
             return
+        self._log.count_unknown(msg.get_type())
         if self._tables is not None:
             self._tables.add(msg)
             return
@@ -286,9 +288,9 @@ class Sink:
             self._show_texts(self._texts.hear(msg))
         elif self._shows:
             self.writer.line(self._shape.line(msg))
-        if self._loss is not None and self._loss != self._log.mav_loss:
-            self.writer.line(f"lost {self._log.mav_loss - self._loss} messages")
-            self._loss = self._log.mav_loss
+        if self._loss is not None and self._loss != self._link.mav_loss:
+            self.writer.line(f"lost {self._link.mav_loss - self._loss} messages")
+            self._loss = self._link.mav_loss
         if self._prompt:
             self.writer.flush()
 

@@ -38,7 +38,7 @@ struct Options<'py> {
     write: Bound<'py, PyAny>,
     /// Takes the matching messages as records of a telemetry log.
     record: Option<Bound<'py, PyAny>>,
-    /// Says whether messages of a type name are dumped.
+    /// Says whether messages of a type name are dumped. Asked for each one that the dialect does not define.
     wanted: Bound<'py, PyAny>,
     /// Types to visit in an indexed log, as `recv_match` takes them.
     types: Option<Bound<'py, PyAny>>,
@@ -209,7 +209,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             }
             _ => return Ok(()),
         };
-        if !self.is_wanted(&item)? || !self.is_selected(&item, found.link) {
+        if !self.is_selected(&item, found.link) || !self.is_wanted(&item)? {
             return Ok(());
         }
         if self.options.record.is_some() {
