@@ -107,12 +107,28 @@ def merged(modules: list[ModuleType]) -> ModuleType:
     """One dialect of several, which is entered in ``sys.modules`` like those of :func:`load`.
 
     The first that knows a message id names it. The layouts that the others have for it are known by their ``CRC_EXTRA``.
+    A UserWarning tells where a message has another name, since that of its dialect is one of another id.
     """
     from mavwire._native import Dialect
 
     first, *others = (module.MAVLink(None)._dialect for module in modules)
+    if not others:
+        return modules[0]
+    native = Dialect.merged(first, others)
     name = "+".join(module.DIALECT for module in modules)
-    return _loaded(Dialect.merged(first, others), name) if others else modules[0]
+    _warn_renamed(native, others, name)
+    return _loaded(native, name)
+
+
+def _warn_renamed(native: Dialect, others: list[Dialect], name: str) -> None:
+    import warnings
+
+    found = {msgid: found for found, msgid in native.messages()}
+    own = {(msgid, theirs) for other in others for theirs, msgid in other.messages()}
+    for msgid, theirs in sorted(own):
+        if found[msgid].startswith(f"{theirs}_CRC"):
+            text = f"{theirs} of id {msgid} is {found[msgid]} in the dialect {name}: another id has that name"
+            warnings.warn(text, stacklevel=3)
 
 
 def _loaded(native: Dialect, name: str) -> ModuleType:

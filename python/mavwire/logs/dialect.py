@@ -10,14 +10,14 @@ if TYPE_CHECKING:
     from typing import Any
 
     Dialect = str | os.PathLike[str] | ModuleType
-    Dialects = Dialect | list[Dialect]
+    Dialects = Dialect | list[Dialect] | tuple[Dialect, ...]
 
 
 def portable(dialect: Dialects) -> tuple[Any, bool]:
     """A dialect as another process finds it: a name, and whether it is that of a module to import.
     TypeError, as of what cannot be pickled, for a module that was made at run time.
     """
-    if isinstance(dialect, list):
+    if isinstance(dialect, list | tuple):
         return [portable(one) for one in dialect], False
     if isinstance(dialect, os.PathLike):
         return os.path.abspath(dialect), False
@@ -38,7 +38,7 @@ def restored(name: Any, is_module: bool) -> Any:
 
 
 def dialect_module(dialect: Dialects) -> Any:
-    """The module of a dialect, as `open_log` takes it, or of several in a list: the first that knows
+    """The module of a dialect, as `open_log` takes it, or of several in a list or tuple: the first that knows
     an id names it. ValueError for any other argument; errors of an XML file as of `load`.
     """
     if hasattr(dialect, "MAVLink"):
@@ -47,7 +47,7 @@ def dialect_module(dialect: Dialects) -> Any:
 
     from mavwire.dialects import load, merged, names
 
-    if isinstance(dialect, list) and dialect:
+    if isinstance(dialect, list | tuple) and dialect:
         return merged([dialect_module(one) for one in dialect])
     if isinstance(dialect, os.PathLike):
         return load(dialect)

@@ -267,7 +267,9 @@ def test_a_users_definitions_go_beside_upstream(
         ours = upstream.MAVLink_camera_feedback_message(mav.seq, *range(12))
         frames.append((ours, theirs)[mav.seq % 2].pack(mav))
     log = write(tmp_path / "flight.tlog", *frames)
-    tables = mavwire.read(log, dialect=["upstream", dialect])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tables = mavwire.read(log, dialect=("upstream", dialect))
     assert {name: len(table) for name, table in tables.items()} == {
         "VENDOR_STATE": 2, "CAMERA_FEEDBACK": 3
     }  # fmt: skip
@@ -358,3 +360,19 @@ def test_a_log_of_other_definitions_is_not_damaged(
     assert capsys.readouterr().err == ""
     assert cli.main(["parms", str(events)]) == 0
     assert "9 messages of id 410 are not in the dialect" in capsys.readouterr().err
+
+
+def test_a_message_that_has_to_be_renamed_is_told(tmp_path: Path) -> None:
+    dialect = tmp_path / "vendor.xml"
+    dialect.write_text(
+        VENDOR.replace('id="180" name="VENDOR_STATE"', 'id="54000" name="HEARTBEAT"')
+    )
+    vendor = dialects.load(dialect)
+    text = (
+        r"HEARTBEAT of id 0 is HEARTBEAT_CRC50 in the dialect vendor\+upstream: another id has that"
+    )
+    with pytest.warns(UserWarning, match=text):
+        both = dialects.merged([vendor, upstream])
+    assert both.mavlink_map[0].msgname == "HEARTBEAT_CRC50"
+    with pytest.warns(UserWarning, match="HEARTBEAT of id 54000 is HEARTBEAT_CRC"):
+        dialects.merged([upstream, vendor])
