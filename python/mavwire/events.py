@@ -53,6 +53,11 @@ class Event(NamedTuple):
     """By name. Enums are texts."""
 
 
+_NO_DEFINITIONS = (
+    json.JSONDecodeError, UnicodeDecodeError, RecursionError, LookupError, TypeError, AttributeError
+)  # fmt: skip
+
+
 class EventDefinitions:
     """The events that a component describes.
 
@@ -64,10 +69,11 @@ class EventDefinitions:
             components = json.loads(decompressed(data))["components"]
             enums = dict(_enums(components))
             self._definitions = dict(_definitions(components, enums))
-        except (ValueError, RecursionError) as error:
+        except _NO_DEFINITIONS as error:
+            text = "not PX4 event definitions (JSON, plain or xz)"
+            raise ValueError(f"{source}: {text}") from error
+        except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
-        except (LookupError, TypeError, AttributeError) as error:
-            raise ValueError(f"{source}: no event definitions ({error!r})") from None
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> EventDefinitions:

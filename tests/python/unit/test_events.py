@@ -87,12 +87,12 @@ def test_an_event_without_a_definition_is_its_number() -> None:
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (b"", "Expecting value"),
-        (b"[]", "no event definitions"),
-        (b'{"components": {"x": 5}}', "no event definitions"),
+        (b"", "not PX4 event definitions"),
+        (b"[]", "not PX4 event definitions"),
+        (b'{"components": {"x": 5}}', "not PX4 event definitions"),
         (b'{"components": {"x": {"namespace": "a", "event_groups": {"b": {"events": {"c": 1}}}}}}',
          "."),
-        (b"[" * 100_000, "recursion"),
+        (b"[" * 100_000, "not PX4 event definitions"),
         (b"\xfd7zXZ\x00 no", "."),
         (lzma.compress(b" " * 1000)[:-20], "incomplete"),
         (lzma.compress(b" " * (MAX_BYTES + 1)), f"more than {MAX_BYTES} bytes"),
