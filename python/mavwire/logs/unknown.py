@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Counts = Mapping[tuple[int, int] | None, int] | Mapping[tuple[int, int | None] | None, int]
 
 _STAMP = struct.Struct(">Q")
+NO_TABLE = "not a table mavwire.unknown (Parquet or Arrow). `convert --unknown table` writes one"
 SHOWN = 8
 """Kinds that a text names."""
 
@@ -42,7 +43,7 @@ def log_of_table(path: str | os.PathLike[str]) -> bytes:
     try:
         return b"".join(_STAMP.pack(_micros(row["timestamp"])) + _frame(row) for row in rows)
     except (KeyError, TypeError, struct.error) as error:
-        raise ValueError(f"{path}: no table mavwire.unknown ({error!r})") from None
+        raise ValueError(NO_TABLE) from error
 
 
 def _table(path: str) -> Any:
@@ -57,7 +58,7 @@ def _table(path: str) -> Any:
                 return reader.read_all()
         return pq.read_table(path)
     except pa.ArrowInvalid as error:
-        raise ValueError(f"{path}: {error}") from None
+        raise ValueError(NO_TABLE) from error
 
 
 def _micros(time: Any) -> int:

@@ -98,7 +98,7 @@ def test_a_log_that_ends_in_its_first_record(
         assert capsys.readouterr().err == f"mavwire {command}: {NO_RECORD}: {name!r}\n"
     assert cli.main(["convert", name, "-o", "tables"]) == 0
     printed = capsys.readouterr()
-    assert f"0 rows in 0 files, without {size} bytes of no record" in printed.out
+    assert f"0 rows in 0 files, {size} bytes were not part of any message" in printed.out
     assert printed.err == f"mavwire convert: {NO_RECORD}: {os.path.abspath(name)!r}\n"
     if kind not in ("tlog", "raw"):
         return

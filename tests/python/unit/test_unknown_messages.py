@@ -17,7 +17,7 @@ from mavwire.dialects.v20 import common, upstream
 from mavwire.logs import UnknownMessageWarning
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import MANIFEST
-from mavwire.logs.unknown import counts_of, named, unknown_text
+from mavwire.logs.unknown import NO_TABLE, counts_of, named, unknown_text
 
 T0 = 1_700_000_000_000_000
 KIND = "id 180 with CRC_EXTRA 5"
@@ -226,16 +226,20 @@ def test_a_later_dialect_decodes_the_table(
     saved = out / "mavwire.unknown" / f"flight.{format}"
     again = ["convert", "--from-unknown", str(saved), "-o", str(later)]
     assert cli.main(again) == 0
-    assert "messages of id 180 have another definition" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "messages of id 180 have another definition" in told and "no telemetry" not in told
     assert cli.main([*again, "--dialect", str(dialect)]) == 0
     (row,) = json.loads((later / MANIFEST).read_text())["logs"]
     assert row["files"] == {f"VENDOR_STATE/flight.{format}.parquet": 17}
-    table = pq.read_table(later / "VENDOR_STATE" / f"flight.{format}.parquet").to_pylist()
+    table_path = later / "VENDOR_STATE" / f"flight.{format}.parquet"
+    table = pq.read_table(table_path).to_pylist()
     assert [row["number"] for row in table] == [*range(3, 20)]
     assert {(row["sysid"], row["compid"]) for row in table} == {(7, 8)}
     assert table[0]["timestamp"].microsecond == 3
     assert cli.main(["convert", "--from-unknown", str(log), "-o", str(later)]) == 1
-    assert f"{log}: " in capsys.readouterr().err
+    assert f"{log}: {NO_TABLE}\n" in capsys.readouterr().err
+    assert cli.main(["convert", "--from-unknown", str(table_path), "-o", str(later)]) == 1
+    assert f"{table_path}: {NO_TABLE}\n" in capsys.readouterr().err
 
 
 def test_an_mcap_file_has_their_payloads(vendor: Path, tmp_path: Path) -> None:

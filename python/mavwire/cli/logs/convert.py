@@ -100,7 +100,8 @@ def main(args: argparse.Namespace) -> int:
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)
     for row in rows:
-        if row.error is None and not row.files and not row.skipped:
+        is_empty = row.error is None and not row.files and not row.skipped
+        if is_empty and not row.unknown and not args.from_unknown:
             warn_without_records("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
@@ -112,8 +113,8 @@ def main(args: argparse.Namespace) -> int:
         nothing = not row.files and (row.error is not None or undescribed)
         if not args.quiet and not nothing:
             done = "converted before" if row.skipped else "converted"
-            left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
-            told = f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}"
+            bad = f", {row.bad_bytes:,} bytes were not part of any message" if row.bad_bytes else ""
+            told = f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{bad}"
             print(printable(told))
     return 1 if failed else 0
 
