@@ -5,11 +5,9 @@ from __future__ import annotations
 import io
 import os
 import re
-import signal
 import subprocess
 import sys
 from argparse import ArgumentTypeError
-from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
@@ -20,12 +18,10 @@ from mavwire.cli.bridge import _bridge_warnings
 from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows, unknown
 from mavwire.cli.bridge.bridge import _watch, listen_address
 from mavwire.dialects.v20 import upstream
-from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Iterator
 
     from mavwire import Bridge
     from mavwire.bridge.sinks import Sink
@@ -106,30 +102,6 @@ def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) ->
     assert "mqtt://h/x: no answer: 7 frames lost" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("failing", ["start", "stop"])
-def test_signals_are_given_back_where_the_terminal_is_gone(
-    failing: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    live = pytest.importorskip("rich.live", reason="rich is not installed: mavwire[cli]").Live
-    from mavwire import Bridge
-    from mavwire.cli.bridge import _bridge_status
-
-    given_back: list[int] = []
-
-    @contextmanager
-    def handled(*_: Any) -> Iterator[None]:
-        try:
-            yield
-        finally:
-            given_back.append(1)
-
-    monkeypatch.setattr(_bridge_status, "handled", handled)
-    monkeypatch.setattr(live, failing, lambda *_, **__: sys.exit(1))
-    with Bridge() as bridge, pytest.raises(SystemExit):
-        _bridge_status.StatusTable(bridge).close()
-    assert given_back == [1]
-
-
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 def test_a_terminal_is_redrawn_and_names_do_not_steer_it(tmp_path: Path) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
@@ -174,42 +146,14 @@ def test_warnings_beside_the_table_go_where_standard_error_goes(
     assert log.getvalue() == "a warning\n"
 
 
-@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
-@pytest.mark.parametrize("disturbed", ["SIGWINCH", "SIGCONT"])
-def test_a_terminal_of_another_size_and_one_left_for_a_while_are_cleared(disturbed: str) -> None:
-    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
-    command = [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:0", "--status"]
-    command += ["--duration", f"{LIMIT}s"]
-    environment = {**os.environ, "COLUMNS": "100", "LINES": "30", "TERM": "xterm"}
-    ours, theirs = os.openpty()
-
-    def read_until(wanted: bytes) -> bytes:
-        text = b""
-        while wanted not in text:
-            part = os.read(ours, 4096)
-            assert part, "it has ended"
-            text += part
-        return text
-
-    with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment) as bridge:
-        os.close(theirs)
-        assert b"\x1b[2J" not in read_until(b"link  ")
-        bridge.send_signal(getattr(signal, disturbed))
-        text = read_until(b"\x1b[2J\x1b[H")
-        text += read_until(b"link  ")
-        bridge.send_signal(signal.SIGINT)
-        text += read_terminal(ours).encode()
-    assert bridge.returncode == 0 and text.count(b"\x1b[2J") == 1
-
-
 def table(width: int, rows: list[list[str]]) -> str:
     """The table of links on a terminal."""
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire.cli.bridge._bridge_status import LINK_COLUMNS, _table
-    from rich.console import Console, Group
+    from rich.console import Console
 
     out = io.StringIO()
-    Console(width=width, file=out).print(Group(*_table(LINK_COLUMNS, rows, 2, width)))
+    Console(width=width, file=out).print(_table(LINK_COLUMNS, rows, 2))
     return out.getvalue()
 
 
@@ -220,21 +164,6 @@ def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
     text = table(80, link_rows(one, NOTHING))
     assert name in text and "  127.0.0.1:40001" in text
     assert "junk" in text and "duplicates" not in text and "overrun" not in text
-
-
-def test_names_of_links_give_way_to_numbers_and_what_is_left_out_is_told() -> None:
-    numbers = {"received": 24_690, "sent": 108_642, "dropped": 777_777, "junk_bytes": 88_888}
-    one = stats(2.0, name="udpin:0.0.0.0:14550", state="connecting", **numbers)
-    rows = link_rows(one, NOTHING)
-    wide, narrow, phone = (table(width, rows) for width in (80, 70, 40))
-    for text in (wide, narrow):
-        assert all(number in text for number in ("12345", "54321", "777777", "1.50", "connecting"))
-    assert "no room for" not in wide and "88888" in wide
-    assert "no room for: junk bytes\n" in narrow
-    assert "connecting" in phone and "777777" in phone
-    assert "no room for: junk bytes, duplicates, p99 ms, out/s" in " ".join(phone.split())
-    for width, text in ((80, wide), (70, narrow), (40, phone)):
-        assert max(map(len, text.splitlines())) <= width
 
 
 def test_without_a_terminal_losses_are_told_as_they_come_and_the_table_at_the_end(

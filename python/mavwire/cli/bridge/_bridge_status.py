@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
-from mavwire._signals import handled
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli.bridge._bridge_warnings import full_name, losses
@@ -23,20 +20,10 @@ LINK_COLUMNS = (
 COMPONENT_COLUMNS = ("system", "component", "in/s", "lost", "duplicates", "age", "links")
 # Shown only where there is something: a terminal of 80 columns has no room for zeros.
 IF_ANY = ("overrun", "duplicates", "junk bytes")
-# What a terminal leaves out that has no room for it, the first of these first.
-LEAST_WANTED = ("junk bytes", "duplicates", "overrun", "p99 ms", "out/s", "in/s", "lost")
-# The columns with names of links.
+# The columns with names of links, which fold.
 LINKS = ("link", "links")
-# Columns of a terminal: between two columns of a table, at its edges, and for names of links, which fold.
-GAP = 2
-EDGES = 2
-LEAST_FOR_LINKS = 10
 # Of a file or a pipe, where lines are as long as they need to be.
 NO_TERMINAL_WIDTH = 10_000
-# Signals after which a terminal shows something else than what was drawn: another size, and back from Ctrl-Z.
-DISTURBING = tuple(
-    getattr(signal, name) for name in ("SIGWINCH", "SIGCONT") if hasattr(signal, name)
-)
 
 
 class StatusTable:
@@ -57,71 +44,50 @@ class StatusTable:
         width = None if on_terminal else NO_TERMINAL_WIDTH
         self._console = Console(file=terminal, force_terminal=on_terminal, width=width)
         self.is_live = on_terminal and not self._console.is_dumb_terminal
-        self._is_disturbed = False
         # What is printed meanwhile goes above the table, but not what goes to a file or a pipe.
         self._live = Live(
             self._tables(bridge.stats()), console=self._console, auto_refresh=False,
             redirect_stderr=is_terminal(sys.stderr),
         )  # fmt: skip
-        numbers = DISTURBING if self.is_live else ()
-        with ExitStack() as exits:
-            exits.enter_context(handled(numbers, self._disturb))
-            exits.callback(self._live.stop)
-            self._live.start()
-            guard_streams()  # till `stop` puts back what it found
-            # From here on it is for `close`, which gives the signals back also where the terminal is gone.
-            self._exits = exits.pop_all()
+        self._live.start()
+        guard_streams()  # till `stop` puts back what it found
 
     def __call__(self) -> None:
-        if self._is_disturbed:
-            self._is_disturbed = False
-            # At the top, to which drawing then goes back: where the old table began nobody knows any more.
-            self._console.clear()
         self._live.update(self._tables(self._bridge.stats()), refresh=True)
 
     def close(self) -> None:
         """Leave the table as it is."""
-        self._exits.close()
-
-    def _disturb(self, number: int, frame: object) -> None:
-        self._is_disturbed = True
+        self._live.stop()
 
     def _tables(self, stats: dict[str, Any]) -> Any:
         from rich.console import Group
         from rich.text import Text
 
         before, self._before = self._before, stats
-        width = self._console.width
         lines = [
             *link_errors(stats),
             *unknown(stats, self._bridge.dialect),
             *(loss.line for loss in losses(stats)),
         ]
         return Group(
-            *_table(LINK_COLUMNS, link_rows(stats, before), 2, width),
+            _table(LINK_COLUMNS, link_rows(stats, before), 2),
             *(Text(printable(line)) for line in lines),
-            *_table(COMPONENT_COLUMNS, component_rows(stats, before), 0, width),
+            _table(COMPONENT_COLUMNS, component_rows(stats, before), 0),
         )
 
 
-def _table(
-    columns: tuple[str, ...], rows: list[list[str]], first_number: int, width: int
-) -> list[Any]:
-    """A table without the columns of `IF_ANY` in which no row has anything, and below it the names of those that there
-    is no room for. Names of links fold, and nothing else: numbers stay whole.
-    """
+def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -> Any:
+    """A table without the columns of `IF_ANY` in which no row has anything. Names of links fold."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    room = {
-        name: max(map(len, (name, *(row[n] for row in rows))))
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    shown = [
+        n
         for n, name in enumerate(columns)
         if name not in IF_ANY or any(row[n] not in ("", "0") for row in rows)
-    }
-    left_out = _left_out(room, width)
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, GAP - 1, 0, 0), pad_edge=False)
-    shown = [n for n, name in enumerate(columns) if name in room and name not in left_out]
+    ]
     for n in shown:
         is_link = columns[n] in LINKS
         table.add_column(
@@ -133,21 +99,7 @@ def _table(
     for row in rows:
         # In a `Text` brackets are no markup.
         table.add_row(*(Text(printable(row[n])) for n in shown))
-    hint = Text(f"no room for: {', '.join(left_out)}", style="dim")
-    return [table, hint] if left_out else [table]
-
-
-def _left_out(room: dict[str, int], width: int) -> list[str]:
-    """The columns of `LEAST_WANTED` without which a table is as narrow as that, if it can be."""
-    taken = {
-        name: GAP + (min(each, LEAST_FOR_LINKS) if name in LINKS else each)
-        for name, each in room.items()
-    }
-    left_out: list[str] = []
-    for name in LEAST_WANTED:
-        if EDGES - GAP + sum(taken.values()) > width and taken.pop(name, 0):
-            left_out.append(name)
-    return left_out
+    return table
 
 
 def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
