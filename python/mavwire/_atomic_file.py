@@ -7,6 +7,8 @@ import errno
 import os
 import stat
 
+from mavwire._native import draft_stem
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,44 +21,34 @@ _SYSTEM = ("/dev/", "/proc/")
 class Replacement:
     """A file that takes the place of `path` when it is finished; `file` is open for bytes.
 
-    A link is followed, and permissions stay. What is no regular file (a pipe, a device), stands in a
-    folder that takes no new files, or is mounted on its own, as into a container, gets a copy of the
-    whole. Raises OSError that names `path`.
+    A link is followed, and permissions stay. A pipe, a device and a file `in_place` get each write at once.
+    Raises OSError that names `path`.
     """
 
-    def __init__(self, path: str | bytes | os.PathLike[str]) -> None:
+    def __init__(self, path: str | bytes | os.PathLike[str], in_place: bool = False) -> None:
         self.path = os.fsdecode(path)
         self._place = os.path.realpath(self.path)
         self._beside: str | None = None
         self._mode: int | None = None
         try:
-            self.file = self._open()
+            self.file = self._open(in_place)
         except BaseException as error:  # KeyboardInterrupt leaves a temporary file otherwise
             self._remove()
             if isinstance(error, OSError):
                 error.filename = self.path
             raise
 
-    def _open(self) -> IO[bytes]:
+    def _open(self, in_place: bool) -> IO[bytes]:
         if not self.path:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), self.path)
         with contextlib.suppress(FileNotFoundError):
             self._mode = os.stat(self.path).st_mode
-        if self._mode is not None and stat.S_ISDIR(self._mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
         if self._mode is not None and not os.access(self.path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), self.path)
-        if self._mode is not None and not _is_ordinary(self.path, self._mode):
-            return _temporary()
-        name = f".mavwire_{os.urandom(8).hex()}"
-        self._beside = os.path.join(os.path.dirname(self._place), name)
-        try:
-            return open(self._beside, "x+b")
-        except PermissionError:
-            self._beside = None
-            if self._mode is None:
-                raise
-            return _temporary()
+        if in_place or not is_replaceable(self.path):
+            return open(self.path, "wb")
+        self._beside = draft_of(self._place)
+        return open(self._beside, "x+b")
 
     def finish(self, permissions: int | None = None) -> None:
         """Move it to its place."""
@@ -70,31 +62,15 @@ class Replacement:
             raise
 
     def _finish(self, permissions: int | None) -> None:
-        if self._beside is None:
-            self._copy(self.file)
-            self.file.close()
-            return
         self.file.close()
+        if self._beside is None:
+            return
         if permissions is None and self._mode is not None:
             permissions = stat.S_IMODE(self._mode)
         if permissions is not None:
             os.chmod(self._beside, permissions)
-        try:
-            os.replace(self._beside, self._place)
-        except OSError as error:
-            if error.errno != errno.EBUSY:
-                raise
-            with open(self._beside, "rb") as file:
-                self._copy(file)
-            os.unlink(self._beside)
+        os.replace(self._beside, self._place)
         self._beside = None
-
-    def _copy(self, file: IO[bytes]) -> None:
-        from shutil import copyfileobj  # rarely needed, too
-
-        file.seek(0)
-        with open(self.path, "wb") as place:
-            copyfileobj(file, place)
 
     def discard(self) -> None:
         """Remove what there is of it."""
@@ -112,21 +88,19 @@ class Replacement:
 
 
 def is_replaceable(path: str) -> bool:
-    """Whether a path is that of a file, or of none yet: not of a pipe or a device, which get a copy."""
+    """Whether a path is that of a file, or of none yet: not of a pipe or a device."""
     try:
-        return _is_ordinary(path, os.stat(path).st_mode)
+        mode = os.stat(path).st_mode
     except OSError:
         return True
-
-
-def _is_ordinary(path: str, mode: int) -> bool:
     return stat.S_ISREG(mode) and not os.path.abspath(path).startswith(_SYSTEM)
 
 
-def _temporary() -> IO[bytes]:
-    from tempfile import TemporaryFile  # rarely needed, and a fifth of the start of a tool
-
-    return TemporaryFile()
+def draft_of(path: str) -> str:
+    """A unique name for a file or URL that is not complete yet."""
+    name = os.path.basename(path)
+    stem = path.removesuffix(name) + draft_stem(name)
+    return f"{stem}.{os.getpid()}-{os.urandom(4).hex()}.part"
 
 
 @contextlib.contextmanager

@@ -11,7 +11,7 @@ import stat
 import sys
 from typing import IO
 
-from mavwire._atomic_file import Replacement
+from mavwire._atomic_file import Replacement, is_replaceable
 from mavwire._native import is_device
 
 
@@ -47,7 +47,10 @@ class LocalFile(Replacement):
     """A file that is written beside its place and moved there when it is complete."""
 
     def __init__(self, path: str, remote: str) -> None:
-        super().__init__(os.path.join(path, local_name(remote)) if os.path.isdir(path) else path)
+        path = os.path.join(path, local_name(remote)) if os.path.isdir(path) else path
+        if not is_replaceable(path):  # blocks come in any order
+            raise OSError(errno.ESPIPE, "a pipe or a device: download to a file", path)
+        super().__init__(path)
 
 
 class Memory:

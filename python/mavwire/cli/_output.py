@@ -27,14 +27,6 @@ class OutputFile:
             raise CommandError(f"{self._name}: {error.strerror}") from error
 
 
-class _InPlace:
-    """A file that keeps the written part also after an error."""
-
-    def __init__(self, path: str) -> None:
-        self.file: IO[bytes] = open(path, "wb")
-        self.finish = self.discard = self.file.close
-
-
 @contextmanager
 def writing(
     path: str, logs: Iterable[str] = (), option: str = "--output", in_place: bool = False
@@ -48,7 +40,7 @@ def writing(
     is_whole = not in_place and is_replaceable(path)
     with ended_in_order():
         try:
-            target = Replacement(path) if is_whole else _InPlace(path)
+            target = Replacement(path, in_place)
         except OSError as error:
             raise CommandError(f"{name}: {error.strerror}") from error
         try:  # right away, and to the end: what came in between would leave a draft

@@ -6,7 +6,8 @@ import os
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.store import Store, draft_of, is_draft
+from mavwire._atomic_file import draft_of
+from mavwire.logs.store import Store, is_draft
 
 from .places import file_system, is_url
 

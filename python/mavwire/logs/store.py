@@ -5,8 +5,6 @@ from __future__ import annotations
 import errno
 import os
 import re
-import secrets
-import stat
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Protocol
 
@@ -15,7 +13,7 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-from mavwire._native import draft_stem
+from mavwire._atomic_file import replacing
 
 from .formats import SUFFIXES
 
@@ -145,30 +143,12 @@ def is_draft(name: str) -> bool:
     return stem.startswith("mavwire-") or any(suffix in stem for suffix in (*SUFFIXES, ".json"))
 
 
-def draft_of(path: str) -> str:
-    """A unique name for a file or URL that is not complete yet."""
-    name = os.path.basename(path)
-    stem = path.removesuffix(name) + draft_stem(name)
-    return f"{stem}.{os.getpid()}-{secrets.token_hex(4)}.part"
-
-
 def write_file(path: str, content: bytes | Iterable[str]) -> None:
     """Write or replace a file, which is never seen half written, with bytes or with pieces of text.
     An OSError names it.
     """
-    draft = draft_of(path)
     pieces = [content] if isinstance(content, bytes) else map(str.encode, content)
-    try:
-        with open(draft, "xb") as file:
-            file.writelines(pieces)
-            file.flush()
-            os.fsync(file.fileno())
-        with suppress(OSError):  # there is none yet
-            os.chmod(draft, stat.S_IMODE(os.stat(path).st_mode))  # who may read it is as before
-        os.replace(draft, path)
-    except BaseException as error:
-        with suppress(OSError):
-            os.remove(draft)
-        if isinstance(error, OSError):
-            error.filename, error.filename2 = path, None  # the draft means nothing to anybody
-        raise
+    with replacing(path) as file:
+        file.writelines(pieces)
+        file.flush()
+        os.fsync(file.fileno())

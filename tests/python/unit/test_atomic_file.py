@@ -81,22 +81,6 @@ def test_what_comes_as_it_is_given_up_leaves_nothing(
     assert not os.listdir(tmp_path)
 
 
-def test_a_file_that_is_mounted_gets_a_copy(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Nothing can take its place."""
-
-    def refuse(source: str, target: str) -> None:
-        raise OSError(errno.EBUSY, os.strerror(errno.EBUSY), source, None, target)
-
-    path = tmp_path / "file"
-    path.write_text("longer than the new one")
-    monkeypatch.setattr(os, "replace", refuse)
-    replace_text(str(path), "new")
-    assert path.read_text() == "new"
-    assert os.listdir(tmp_path) == ["file"]
-
-
 def test_errors_name_the_file(tmp_path: Path) -> None:
     missing = str(tmp_path / "missing" / "file")
     with pytest.raises(FileNotFoundError) as caught:
