@@ -1,6 +1,6 @@
 """A progress bar on stderr, only for a person who has been waiting.
 
-Drawn by rich where it is installed, which puts what is printed meanwhile above it, else as one plain line.
+Drawn by rich, if it is installed, which puts what is printed meanwhile above it.
 """
 
 from __future__ import annotations
@@ -46,16 +46,11 @@ class Progress:
         if self._bar is not None:
             label = {} if name is None else {"description": self._escape(self.name)}
             self._bar.update(self._task, completed=percent, **label)
-            return
-        filled = int(percent / 4)
-        _draw(f"\r{self.name} [{'#' * filled:<25}] {percent:3.0f}%")
 
     def finish(self) -> None:
         """Wipe the bar."""
         if self._bar is not None:
             self._bar.stop()
-        elif self.shown:
-            _draw("\r\x1b[K")
         self.enabled = False
 
     def _start(self) -> None:
@@ -73,9 +68,3 @@ class Progress:
         self._task = self._bar.add_task(escape(self.name), total=100)
         self._bar.start()
         guard_streams()  # till `stop` puts back what it found
-
-
-def _draw(text: str) -> None:
-    terminal = drawn_on(sys.stderr)
-    terminal.write(text)
-    terminal.flush()
