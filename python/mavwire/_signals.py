@@ -23,32 +23,13 @@ def handled(numbers: Iterable[int], handler: Callable[[int, Any], object]) -> It
     before = {number: signal.getsignal(number) for number in numbers}
     # Python cannot set again what it did not set.
     before = {number: other for number, other in before.items() if other is not None}
-    is_over = False
-
-    def hear(number: int, frame: Any) -> None:
-        if not is_over:
-            handler(number, frame)
-            return
-        # It came before this handler was given back: it is for the one that was there before.
-        signal.signal(number, before[number])
-        signal.raise_signal(number)
-
     try:
         for number in before:
-            signal.signal(number, hear)
+            signal.signal(number, handler)
         yield
     finally:
-        is_over = True
-        _give_back(before)
-
-
-def _give_back(handlers: dict[int, Any]) -> None:
-    try:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-    except BaseException:  # of one that was given back, or was always there
-        _give_back(handlers)
-        raise
+        for number, other in before.items():
+            signal.signal(number, other)
 
 
 @contextmanager

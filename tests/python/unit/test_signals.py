@@ -1,12 +1,11 @@
-"""Handlers of signals are those of before again, whatever comes while they are given back."""
+"""Handlers of signals are those of before again."""
 
 from __future__ import annotations
 
 import math
 import signal
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -39,73 +38,23 @@ def before() -> Iterator[list[Any]]:
         set_handler(number, handler)
 
 
-@contextmanager
-def coming_as_they_are_given_back(number: int) -> Iterator[None]:
-    """A signal at the first instruction of the function that gives handlers back."""
-
-    def come(frame: Any, event: str, arg: Any) -> None:
-        if frame.f_code is _signals._give_back.__code__:
-            sys.settrace(None)
-            signal.raise_signal(number)
-
-    tracer = sys.gettrace()
-    sys.settrace(come)
-    try:
-        yield
-    finally:
-        sys.settrace(tracer)
-
-
-@pytest.mark.parametrize("call", [1, 3], ids=["set", "given back"])
 def test_a_signal_between_two_handlers_leaves_none_behind(
-    call: int, before: list[Any], monkeypatch: pytest.MonkeyPatch
+    before: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The first of two handlers is set, or given back, when it comes."""
+    """The first of two handlers is set when it comes."""
     set_handler, calls = signal.signal, []
 
     def interrupted(number: int, handler: Any) -> Any:
         replaced = set_handler(number, handler)
         calls.append(number)
-        if len(calls) == call:
-            signal.raise_signal(NUMBERS[call // 2])
+        if len(calls) == 1:
+            signal.raise_signal(number)
         return replaced
 
     monkeypatch.setattr(signal, "signal", interrupted)
     with pytest.raises((Ended, KeyboardInterrupt)), handled(NUMBERS, end):
         pass
     assert [signal.getsignal(number) for number in NUMBERS] == before
-
-
-def test_a_signal_as_handlers_are_given_back_is_for_the_one_before() -> None:
-    heard: list[int] = []
-
-    def hear(number: int, frame: Any) -> None:
-        heard.append(number)
-
-    for number in NUMBERS:
-        signal.signal(number, hear)
-    with coming_as_they_are_given_back(signal.SIGTERM), handled(NUMBERS, end):
-        pass
-    assert heard == [signal.SIGTERM]
-    assert [signal.getsignal(number) for number in NUMBERS] == [hear, hear]
-
-
-def test_where_that_one_ends_the_program_the_next_is_for_the_one_before_too() -> None:
-    def end_otherwise(*_: Any) -> None:
-        raise Before
-
-    for number in NUMBERS:
-        signal.signal(number, end_otherwise)
-    with (
-        pytest.raises(Before),
-        coming_as_they_are_given_back(signal.SIGTERM),
-        handled(NUMBERS, end),
-    ):
-        pass
-    for number in NUMBERS:
-        with pytest.raises(Before):
-            signal.raise_signal(number)
-        assert signal.getsignal(number) is end_otherwise
 
 
 @pytest.mark.parametrize("fails", [False, True])
