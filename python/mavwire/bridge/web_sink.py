@@ -2,7 +2,7 @@
 
 A path names what a reader wants: `/PREFIX/out` all frames as they are, in binary messages, and
 `/PREFIX/SYSTEM/COMPONENT/TYPE` messages as JSON, where `*` and a missing part mean any. Those that wait together are
-one text, a list. A reader that is slower than the traffic gets the newest of each kind, and slows nobody.
+one text, a list. A reader that is slower than the traffic gets the newest batch, and slows nobody.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from .bridge import Bridge
 
-# What may wait for a reader; beyond it only the newest of each kind does.
+# What may wait for a reader; beyond it only the newest batch does.
 MAX_WAITING = 512 * 1024
 # What the system may hold back for it besides, which nobody can replace by something newer.
 SEND_BUFFER = 64 * 1024
@@ -55,10 +55,12 @@ class _Reader:
         mine = [item for item in batch if self._wants(item.key)]
         if not mine:
             return
+        size = sum(len(item.data) for item in mine)
+        if self._size + size > MAX_WAITING:  # it is too slow: the newest batch is left
+            self.dropped += sum(item.frames for item in self._waiting)
+            self._waiting, self._size = [], 0
         self._waiting += mine
-        self._size += sum(len(item.data) for item in mine)
-        if self._size > MAX_WAITING:
-            self._keep_newest()
+        self._size += size
         self._news.set()
 
     async def wait(self) -> None:
@@ -72,22 +74,6 @@ class _Reader:
         if len(key) == 1 or self._is_raw:
             return key == self._wanted
         return all(want in ("*", part) for want, part in zip(self._wanted, key, strict=False))
-
-    def _keep_newest(self) -> None:
-        """Keep the newest of each kind, and of more kinds than there is room for those that came last."""
-        kept: list[_Item] = []
-        seen: set[tuple[str, ...]] = set()
-        size = 0
-        for item in reversed(self._waiting):
-            is_newest = item.key not in seen
-            seen.add(item.key)
-            if is_newest and (not kept or size + len(item.data) <= MAX_WAITING // 2):
-                kept.append(item)
-                size += len(item.data)
-            else:
-                self.dropped += item.frames
-        self._waiting = kept[::-1]
-        self._size = size
 
     def messages(self) -> Iterator[str | bytes]:
         """What waits."""
