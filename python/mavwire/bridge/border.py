@@ -1,4 +1,4 @@
-"""What frames go through where they enter or leave by a link, and what the bridge says there itself."""
+"""Per-endpoint signing, verification and protocol version; the bridge's own heartbeats and stream requests."""
 
 from __future__ import annotations
 

@@ -700,7 +700,7 @@ def test_what_is_a_log_though_it_is_missing(tmp_path, monkeypatch, name, wanted)
     [
         (["{log}", "ATTITUDE.roll", "-o", "x.jpg"], "cannot write"),
         (["{log}", "none.tlog.gz", "ATTITUDE.roll", "-o", "x.html"], "none.tlog.gz: No such file"),
-        (["{log}", "-o", "x.html"], "what of it?"),
+        (["{log}", "-o", "x.html"], "no expression given"),
         (["ATTITUDE.roll", "-o", "x.html"], "there is no log"),
         (["none.tlog", "ATTITUDE.roll", "-o", "x.html"], "none.tlog"),
         (["{log}", "ATTITUDE.roll", "-o", "{log}"], "is the log itself"),

@@ -77,7 +77,8 @@ def _check(args: Namespace, logs: list[str], fields: list[str]) -> None:
     if not logs:
         raise CommandError("No files to process")
     if not fields and args.flightmode is None:
-        raise CommandError("what of it? Name a field, such as ATTITUDE.roll, or --flightmode")
+        reason = "no expression given: name a field, such as ATTITUDE.roll, or --flightmode"
+        raise CommandError(reason)
     if args.labels is not None and len(args.labels.split(",")) != len(fields) * len(logs):
         count, wanted = len(args.labels.split(",")), len(fields) * len(logs)
         raise CommandError(f"Number of labels ({count}) must match number of fields ({wanted})")

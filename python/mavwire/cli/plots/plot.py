@@ -62,7 +62,7 @@ def main(args: argparse.Namespace) -> int:
     if not logs:
         raise CommandError(f"there is no log among {', '.join(args.what)}")
     if not expressions:
-        raise CommandError("what of it? Name a field, such as ATTITUDE.roll")
+        raise CommandError("no expression given: name a field, such as ATTITUDE.roll")
     refuse_log(args.out, logs, "--out")
     with refused(ValueError, ImportError):
         done = plots.plot(
