@@ -28,14 +28,15 @@ def stored_folder() -> Path:
     return Path(data_folder()) / "definitions"
 
 
-def _folders() -> Iterator[Path]:
+def _folders() -> Iterator[list[Path]]:
+    """Folders that are read together, the first ones first."""
     from pathlib import Path
 
     if "MDEF" in os.environ:
-        yield Path(os.environ["MDEF"]) / "v1.0"
-    yield stored_folder()
+        yield [Path(os.environ["MDEF"]) / "v1.0"]
+    yield sorted(stored_folder().glob("*"))
     if (installed := installed_folder()) is not None:
-        yield installed
+        yield [installed]
 
 
 def installed_folder() -> Path | None:
@@ -78,14 +79,19 @@ class Texts:
         return self._loaded
 
     def _load(self) -> dict[str, Any] | None:
-        for folder in _folders():
-            file = folder / f"{self._dialect}.xml"
-            # The union of all dialects has no file there, and neither has a user's own dialect.
-            files = (
-                [file] if file.is_file() else [folder / "all.xml", *sorted(folder.glob("*.xml"))]
-            )
-            if found := _read(files):
-                return found
+        for folders in _folders():
+            whole: dict[str, Any] = {}
+            for folder in folders:
+                file = folder / f"{self._dialect}.xml"
+                # The union of all dialects has no file there, and neither has a user's own dialect.
+                files = (
+                    [file]
+                    if file.is_file()
+                    else [folder / "all.xml", *sorted(folder.glob("*.xml"))]
+                )
+                whole = _read(files, whole)
+            if whole:
+                return whole
         return None
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
@@ -111,12 +117,11 @@ class Texts:
         return texts
 
 
-def _read(files: list[Path]) -> dict[str, Any]:
-    """The descriptions of several files with those that they include. The first ones count."""
+def _read(files: list[Path], whole: dict[str, Any]) -> dict[str, Any]:
+    """The whole, and the descriptions of several files with those that they include. The first ones count."""
     from mavwire._native import describe
     from mavwire.dialects import _sources
 
-    whole: dict[str, Any] = {}
     seen: set[str] = set()
     for file in files:
         if file.stem in seen:

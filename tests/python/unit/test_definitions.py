@@ -56,13 +56,30 @@ def test_the_union_has_the_descriptions_of_all_stored_files(
         assert Texts("upstream").message(name)[0] == "What a sample is."
 
 
+def test_several_folders_are_stored_and_the_first_one_counts(
+    data_home: Path, tmp_path: Path
+) -> None:
+    texts = [
+        XML.format(id=1).replace("SAMPLE", name).replace("a sample", f"{name} in {where}")
+        for where, name in (("one", "FIRST"), ("one", "BOTH"), ("two", "BOTH"), ("two", "SECOND"))
+    ]
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder, files in zip(folders, (texts[:2], texts[2:]), strict=True):
+        folder.mkdir()
+        for number, text in enumerate(files):
+            (folder / f"file{number}.xml").write_text(text)
+    assert cli.main(["definitions", "sync", *map(str, folders)]) == 0
+    for name, place in (("FIRST", "one"), ("BOTH", "one"), ("SECOND", "two")):
+        assert Texts("upstream").message(name)[0] == f"What {name} in {place} is."
+
+
 def test_descriptions_of_an_installed_pymavlink_are_stored(
     data_home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = installed_folder()
     if folder is not None:
         assert cli.main(["definitions", "sync"]) == 0
-        assert (data_home / "mavwire" / "definitions" / "common.xml").is_file()
+        assert (data_home / "mavwire" / "definitions" / "000" / "common.xml").is_file()
     monkeypatch.setattr(definitions, "installed_folder", lambda: None)
     assert cli.main(["definitions", "sync"]) == 1
     assert "pymavlink is not installed" in capsys.readouterr().err
@@ -164,7 +181,7 @@ def test_an_include_of_spaces_takes_linear_time(tmp_path: Path) -> None:
 def test_stored_definitions_that_cannot_be_read_are_passed_over(
     data_home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = data_home / "mavwire" / "definitions"
+    folder = data_home / "mavwire" / "definitions" / "000"
     folder.mkdir(parents=True)
     (folder / "sample.xml").write_text(XML.format(id=150))
     monkeypatch.setattr(_sources, "MAX_BYTES", 10)

@@ -6,7 +6,7 @@ of everything but `mavutil`; `update --revert` goes back.
 
 The definitions that come with mavwire carry facts, and a line on what common messages are for. The descriptions of
 upstream XML appear in docstrings, `enums`, MCAP files, the page of the bridge and here once they are stored: `sync`
-copies them to the user's data folder from a folder or from an installed pymavlink, and `clear` removes them. `stubs` writes
+copies them to the user's data folder from folders or from an installed pymavlink, and `clear` removes them. `stubs` writes
 type stubs that have them.
 
 examples:
@@ -16,7 +16,7 @@ examples:
   mavwire definitions diff common ardupilotmega
   mavwire definitions diff upstream path/to/mavlink
   mavwire definitions update https://github.com/mavlink/mavlink/archive/refs/heads/master.zip
-  mavwire definitions sync path/to/mavlink
+  mavwire definitions sync path/to/mavlink path/to/ardupilot
 """
 
 from __future__ import annotations
@@ -72,12 +72,13 @@ def _add_stores(actions: Any) -> None:
         "of several the first one counts",
     )
     update.add_argument("--revert", action="store_true", help="go back to the definitions before")
-    sync = actions.add_parser("sync", help="store the descriptions of the *.xml files of a folder")
+    sync = actions.add_parser("sync", help="store the descriptions of the *.xml files of folders")
     sync.add_argument(
-        "folder",
+        "folders",
         type=Path,
-        nargs="?",
-        help="a checkout or folder of XML files (default: that of an installed pymavlink)",
+        nargs="*",
+        metavar="DIR",
+        help="a checkout or folder of XML files; of several the first one counts (default: that of an installed pymavlink)",
     )
     stubs = actions.add_parser("stubs", help="write type stubs with descriptions for editors")
     stubs.add_argument(
@@ -98,7 +99,7 @@ def main(args: Namespace) -> int:
     elif args.action == "update":
         print(revert() if args.revert else update(args.sources))
     elif args.action == "sync":
-        count = sync(args.folder)
+        count = sync(args.folders)
         print(f"{count} definition files stored in {stored_folder()}")
     elif args.action == "stubs":
         from mavwire.cli.dev import _described_stubs
@@ -188,16 +189,20 @@ def revert() -> str:
     return _in_use()
 
 
-def sync(folder: Path | None) -> int:
-    """Checks every definition file of `folder` and stores them all, or none if one is wrong."""
+def sync(folders: list[Path]) -> int:
+    """Checks every definition file of the folders and stores them all, or none if one is wrong."""
     from mavwire.cli.dev._definition_facts import definition_files
 
-    folder = folder or installed_folder()
-    if folder is None:
+    folders = folders or [one for one in [installed_folder()] if one is not None]
+    if not folders:
         raise CommandError("pymavlink is not installed: name a folder of XML files")
     with refused(OSError):
-        files = definition_files(folder)
-    for file in files:
+        files = [
+            (f"{number:03}", file)
+            for number, folder in enumerate(folders)
+            for file in definition_files(folder)
+        ]
+    for _, file in files:
         _check(file)
     target = stored_folder()
     try:
@@ -205,8 +210,9 @@ def sync(folder: Path | None) -> int:
         with tempfile.TemporaryDirectory(dir=target.parent, prefix="definitions-") as folder_name:
             staging = Path(folder_name) / target.name
             staging.mkdir()
-            for file in files:
-                shutil.copyfile(file, staging / file.name)
+            for number, file in files:
+                (staging / number).mkdir(exist_ok=True)
+                shutil.copyfile(file, staging / number / file.name)
             shutil.rmtree(target, ignore_errors=True)
             os.replace(staging, target)
     except OSError as error:
@@ -229,8 +235,8 @@ def _status() -> str:
         for name, row in pins.items()
         if "date" in row
     ]
-    files = sorted(stored_folder().glob("*.xml"))
-    names = ", ".join(file.stem for file in files)
+    files = sorted(stored_folder().glob("*/*.xml"))
+    names = ", ".join(dict.fromkeys(file.stem for file in files))
     stored = f"{len(files)} definition files in {stored_folder()}: {names}"
     missing = f"nothing stored in {stored_folder()}; see `mavwire definitions sync --help`"
     return "\n".join(
