@@ -71,10 +71,6 @@ fn seeds_of_well_known_messages() {
         ("common", "STATUSTEXT", 83),
         ("test", "TEST_TYPES", 103),
         ("python_array_test", "ARRAY_TEST_8", 106),
-        ("marsh", "MOTION_PLATFORM_STATE", 88),
-        ("marsh", "REXROTH_MOTION_PLATFORM", 96),
-        ("marsh", "EYE_TRACKING_DATA", 215),
-        ("stemstudios", "LED_STRIP_CONFIG", 181),
     ] {
         let dialect = library.resolve(dialect, WireVersion::V2).unwrap();
         let message = dialect.messages.iter().find(|message| message.name == name).unwrap();

@@ -395,8 +395,8 @@ def test_dialects_without_counterpart_are_told_once(oracle: str) -> None:
         xml = '<mavlink><messages><message id="1" name="A"><field type="uint8_t" name="b"/>'
         custom = dialects.load(xml + "</message></messages></mavlink>", name="mine")
         again = dialects.load(xml + "</message></messages></mavlink>", name="mine")
-        from mavwire.dialects.v20 import marsh
-        for module in (custom, again, marsh, marsh):
+        from mavwire.dialects.v20 import upstream
+        for module in (custom, again, upstream, upstream):
             link = module.MAVLink(None)
             link.robust_parsing = True
             assert link.parse_buffer(b"xyz")[0].get_type() == "BAD_DATA"
@@ -406,7 +406,7 @@ def test_dialects_without_counterpart_are_told_once(oracle: str) -> None:
     lines = run.stderr.splitlines()
     assert [line.split()[1] for line in lines] == [
         "mavwire.dialects.loaded.mine",
-        "mavwire.dialects.v20.marsh",
+        "mavwire.dialects.v20.upstream",
     ]
     assert all("no counterpart in pymavlink, not compared" in line for line in lines)
 

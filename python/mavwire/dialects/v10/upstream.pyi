@@ -13,13 +13,11 @@ from mavwire.dialects.v10._own import cubepilot as _own_cubepilot
 from mavwire.dialects.v10._own import development as _own_development
 from mavwire.dialects.v10._own import icarous as _own_icarous
 from mavwire.dialects.v10._own import loweheiser as _own_loweheiser
-from mavwire.dialects.v10._own import marsh as _own_marsh
 from mavwire.dialects.v10._own import matrixpilot as _own_matrixpilot
 from mavwire.dialects.v10._own import minimal as _own_minimal
 from mavwire.dialects.v10._own import paparazzi as _own_paparazzi
 from mavwire.dialects.v10._own import python_array_test as _own_python_array_test
 from mavwire.dialects.v10._own import standard as _own_standard
-from mavwire.dialects.v10._own import stemstudios as _own_stemstudios
 from mavwire.dialects.v10._own import storm32 as _own_storm32
 from mavwire.dialects.v10._own import test as _own_test
 from mavwire.dialects.v10._own import uAvionix as _own_uAvionix
@@ -34,13 +32,11 @@ from mavwire.dialects.v10._own.cubepilot import *
 from mavwire.dialects.v10._own.development import *
 from mavwire.dialects.v10._own.icarous import *
 from mavwire.dialects.v10._own.loweheiser import *
-from mavwire.dialects.v10._own.marsh import *
 from mavwire.dialects.v10._own.matrixpilot import *
 from mavwire.dialects.v10._own.minimal import *
 from mavwire.dialects.v10._own.paparazzi import *
 from mavwire.dialects.v10._own.python_array_test import *
 from mavwire.dialects.v10._own.standard import *
-from mavwire.dialects.v10._own.stemstudios import *
 from mavwire.dialects.v10._own.storm32 import *
 from mavwire.dialects.v10._own.test import *
 from mavwire.dialects.v10._own.uAvionix import *
@@ -59,13 +55,11 @@ class MAVLink(
     _own_development._Methods,
     _own_icarous._Methods,
     _own_loweheiser._Methods,
-    _own_marsh._Methods,
     _own_matrixpilot._Methods,
     _own_minimal._Methods,
     _own_paparazzi._Methods,
     _own_python_array_test._Methods,
     _own_standard._Methods,
-    _own_stemstudios._Methods,
     _own_storm32._Methods,
     _own_test._Methods,
     _own_uAvionix._Methods,
