@@ -109,8 +109,7 @@ def enum(data: _Data, filename: str) -> MAVEnum:
 
 
 def _add_entry(enum: MAVEnum, data: _Data, filename: str) -> None:
-    written = data["value"]
-    value = enum.highest_value + 1 if written is None else written
+    value = data["value"]
     if enum.bitmask and abs(value).bit_count() != 1:
         print(f"{data['name']} has invalid values (bitmask must have powers of 2)")
     entry = MAVEnumEntry(
@@ -118,7 +117,7 @@ def _add_entry(enum: MAVEnum, data: _Data, filename: str) -> None:
         value,
         data["description"],
         data["status"]["wip"],
-        autovalue=written is None,
+        autovalue=data["is_automatic"],
         origin_file=filename,
         origin_line=data["line"],
         has_location=data["has_location"],

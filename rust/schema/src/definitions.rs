@@ -71,8 +71,10 @@ pub struct EnumEntryDef {
     pub line: u32,
     /// Status marks.
     pub status: Status,
-    /// `value`, from -2^63 to 2^64 - 1; `None` means the highest value of the file so far plus one.
-    pub value: Option<i128>,
+    /// `value`, from -2^63 to 2^64 - 1. An entry without it has the highest value before it plus one.
+    pub value: i128,
+    /// There is no `value` in the file.
+    pub is_automatic: bool,
     /// `hasLocation="true"`.
     pub has_location: bool,
     /// `isDestination="true"`.

@@ -102,7 +102,7 @@ fn merge_parts(mut parts: Parts) -> Result<Enum, SchemaError> {
 fn number_entries(parts: Parts) -> Result<Vec<(Place, EnumEntry)>, SchemaError> {
     let mut merged: Option<NumberedPart> = None;
     for (file, definition) in parts {
-        let part = NumberedPart::new(&file, definition)?;
+        let part = NumberedPart::new(&file, definition);
         match &mut merged {
             Some(merged) => merged.extend(part)?,
             None => merged = Some(part),
@@ -122,22 +122,17 @@ struct NumberedPart {
 }
 
 impl NumberedPart {
-    /// An entry without a value gets the highest value before it plus one.
-    fn new(file: &Rc<str>, definition: EnumDef) -> Result<Self, SchemaError> {
+    fn new(file: &Rc<str>, definition: EnumDef) -> Self {
         let mut part = Self { entries: Vec::new(), automatic: Vec::new(), range: (i128::MAX, 0) };
         for entry in definition.entries {
             let place = Place { file: Rc::clone(file), line: entry.line };
-            let value = match entry.value {
-                Some(value) => value,
-                None => {
-                    part.automatic.push(part.entries.len());
-                    in_range(&place, part.range.1 + 1)?
-                }
-            };
-            part.range = (part.range.0.min(value), part.range.1.max(value));
-            part.entries.push((place, numbered(entry, value)));
+            if entry.is_automatic {
+                part.automatic.push(part.entries.len());
+            }
+            part.range = (part.range.0.min(entry.value), part.range.1.max(entry.value));
+            part.entries.push((place, without_marks(entry)));
         }
-        Ok(part)
+        part
     }
 
     /// Puts the entries of an included file in front.
@@ -176,10 +171,10 @@ fn in_range(place: &Place, value: i128) -> Result<i128, SchemaError> {
     if value <= MAX_VALUE { Ok(value) } else { Err(error()) }
 }
 
-fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {
+fn without_marks(entry: EnumEntryDef) -> EnumEntry {
     EnumEntry {
         name: entry.name,
-        value,
+        value: entry.value,
         has_location: entry.has_location,
         description: entry.description,
         params: entry.params,

@@ -2,9 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::definitions::{Definitions, EnumDef, EnumEntryDef, MessageDef};
+use crate::definitions::{Definitions, EnumDef, MessageDef};
 use crate::layout::Layout;
-use crate::number::MAX_VALUE;
 use crate::parse::dialect_name;
 
 /// The dialect that includes all others of a set that may be used together.
@@ -31,7 +30,7 @@ pub struct Union {
 struct KnownEnum {
     index: usize,
     names: HashSet<String>,
-    values: HashSet<Option<i128>>,
+    values: HashSet<i128>,
 }
 
 impl Union {
@@ -79,8 +78,7 @@ impl Union {
         }
     }
 
-    fn add_enum(&mut self, mut definition: EnumDef) {
-        number(&mut definition.entries);
+    fn add_enum(&mut self, definition: EnumDef) {
         let known = self.enums.entry(definition.name.clone()).or_insert_with(|| {
             self.own.enums.push(EnumDef { entries: Vec::new(), ..definition.clone() });
             let index = self.own.enums.len() - 1;
@@ -100,16 +98,7 @@ fn key(message: &MessageDef) -> (u32, u8) {
     (message.id, Layout::of(message).crc_extra)
 }
 
-/// Gives each entry its value: without one it is the highest before it plus one.
-fn number(entries: &mut [EnumEntryDef]) {
-    let mut highest = 0;
-    for entry in entries {
-        entry.value = entry.value.or_else(|| (highest < MAX_VALUE).then_some(highest + 1));
-        highest = highest.max(entry.value.unwrap_or(highest));
-    }
-}
-
-/// `all` and the files that it includes, then the others.
+/// `all` and the files that it includes, breadth-first, then the others.
 fn in_order(mut files: Vec<Definitions>) -> Vec<Definitions> {
     files.sort_by(|a, b| a.name.cmp(&b.name));
     let mut ordered = Vec::new();

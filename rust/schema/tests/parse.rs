@@ -57,7 +57,7 @@ fn everything_a_file_states_is_read() {
     };
     assert_eq!(definition.status.deprecated, deprecation("2020-01", "OTHER", "why"));
     let entry = &definition.entries[0];
-    assert_eq!((entry.value, entry.line, entry.status.wip), (Some(16), 10, true));
+    assert_eq!((entry.value, entry.line, entry.status.wip), (16, 10, true));
     assert!(entry.has_location && entry.is_destination);
     let param = &entry.params[0];
     assert_eq!((param.index, param.reserved, param.description.as_str()), (1, true, "first"));
@@ -129,10 +129,13 @@ fn values_have_a_few_fixed_forms() {
         ("-9223372036854775808", i128::from(i64::MIN)),
     ] {
         let file = parse(&entries(&format!("<entry value=\"{text}\" name=\"A\"/>"))).unwrap();
-        assert_eq!(file.enums[0].entries[0].value, Some(value), "{text}");
+        assert_eq!(file.enums[0].entries[0].value, value, "{text}");
     }
-    let missing = parse(&entries("<entry name=\"A\"/>")).unwrap();
-    assert_eq!(missing.enums[0].entries[0].value, None);
+    let missing =
+        parse(&entries("<entry name=\"A\"/><entry value=\"7\" name=\"B\"/><entry name=\"C\"/>"));
+    let entries = &missing.unwrap().enums[0].entries;
+    let values: Vec<_> = entries.iter().map(|one| (one.value, one.is_automatic)).collect();
+    assert_eq!(values, [(1, true), (7, false), (8, true)]);
 }
 
 #[test]

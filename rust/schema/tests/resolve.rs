@@ -256,10 +256,9 @@ fn missing_values_continue_after_the_highest_so_far() {
     let negative = resolved("<entry value=\"-7\" name=\"A\"/><entry name=\"B\"/>");
     assert_eq!(values(&negative), [("A", -7), ("B", 1)]);
     let none_left = "<entry value=\"0xFFFFFFFFFFFFFFFF\" name=\"A\"/><entry name=\"B\"/>";
-    assert_eq!(
-        resolve_error(&[("m.xml", entries(none_left))]),
-        "m.xml:2: enum E: no value is left above 18446744073709551615"
-    );
+    let error = resolve_error(&[("m.xml", entries(none_left))]);
+    assert!(error.starts_with("m.xml:2:"), "{error}");
+    assert!(error.ends_with("enum E: entry B: no value is left above 18446744073709551615"));
 }
 
 #[test]

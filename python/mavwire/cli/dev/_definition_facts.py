@@ -54,8 +54,7 @@ def parsed(text: str) -> Facts:
     for enum in definitions["enums"]:
         entries = facts.enums.setdefault(enum["name"], {})
         for entry in enum["entries"]:
-            value = entry["value"]
-            entries[entry["name"]] = max([0, *entries.values()]) + 1 if value is None else value
+            entries[entry["name"]] = entry["value"]
     return facts
 
 

@@ -6,7 +6,7 @@ use super::element::{Source, boolean, optional};
 use super::reserved;
 use crate::definitions::{CommandParam, EnumDef, EnumEntryDef};
 use crate::error::{Reason, SchemaError, excerpt};
-use crate::number::{parse_decimal, parse_value};
+use crate::number::{MAX_VALUE, parse_decimal, parse_value};
 
 /// Parameters of a command.
 const MAX_PARAMS: u32 = 7;
@@ -34,10 +34,15 @@ fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaE
         bitmask: source.tolerate(node, boolean(node, "bitmask"), false).map_err(within)?,
         ..EnumDef::default()
     };
+    let mut highest = 0;
     for child in node.children().filter(Node::is_element) {
         match child.tag_name().name() {
             "description" => definition.description += &source.description(child),
-            "entry" => definition.entries.push(read_entry(source, child).map_err(within)?),
+            "entry" => {
+                let entry = read_entry(source, child, highest).map_err(within)?;
+                highest = highest.max(entry.value);
+                definition.entries.push(entry);
+            }
             _ if source.status(child, &mut definition.status) => {}
             _ => source.unexpected(child, "enum").map_err(within)?,
         }
@@ -46,12 +51,18 @@ fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaE
     Ok(definition)
 }
 
-fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, SchemaError> {
+/// `highest` is that of the values before.
+fn read_entry(
+    source: &Source<'_>,
+    node: Node<'_, '_>,
+    highest: i128,
+) -> Result<EnumEntryDef, SchemaError> {
     let name = source.variable(node, reserved::check_entry)?;
     let within = |error: SchemaError| error.within(format!("entry {name}"));
     let mut entry = EnumEntryDef {
         line: source.line(node),
-        value: read_value(source, node).map_err(within)?,
+        value: read_value(source, node, highest).map_err(within)?,
+        is_automatic: node.attribute("value").is_none(),
         has_location: boolean(node, "hasLocation")
             .map_err(|reason| within(source.error(node, reason)))?,
         is_destination: source
@@ -71,10 +82,14 @@ fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, S
     Ok(entry)
 }
 
-fn read_value(source: &Source<'_>, node: Node<'_, '_>) -> Result<Option<i128>, SchemaError> {
-    let Some(text) = node.attribute("value") else { return Ok(None) };
+fn read_value(source: &Source<'_>, node: Node<'_, '_>, highest: i128) -> Result<i128, SchemaError> {
+    let Some(text) = node.attribute("value") else {
+        let is_left = highest < MAX_VALUE;
+        let next = if is_left { Ok(highest + 1) } else { Err(Reason::NoValueLeft(highest)) };
+        return source.tolerate(node, next, highest);
+    };
     let error = || source.error(node, Reason::InvalidValue(excerpt(text)));
-    parse_value(text).ok_or_else(error).map(Some)
+    parse_value(text).ok_or_else(error)
 }
 
 fn read_param(source: &Source<'_>, node: Node<'_, '_>) -> Result<CommandParam, SchemaError> {
