@@ -119,6 +119,8 @@ pub struct MessageDef {
     pub id: u32,
     /// `name` as written; `crc_extra` covers this spelling, the message's name is upper case.
     pub name: String,
+    /// `crc_extra` of a message that has another name than in its file, where a [`Union`](crate::Union) has the name already.
+    pub crc_extra: Option<u8>,
     /// Line in the file, from 1.
     pub line: u32,
     /// Status marks.

@@ -74,7 +74,7 @@ impl Layout {
         let order = wire_order(&message.fields);
         let base = order.iter().map(|&index| &message.fields[index]).filter(|f| !f.is_extension);
         let words = base.map(|field| (field.field_type.name(), &*field.name, field.array_length));
-        let crc_extra = crc_extra(&message.name, words);
+        let crc_extra = message.crc_extra.unwrap_or_else(|| crc_extra(&message.name, words));
         let mut offsets = vec![0; order.len()];
         let mut end = 0;
         for &index in &order {

@@ -76,13 +76,24 @@ impl Dialect {
 
 /// A message under a name that is not among `names`. The name is added to them.
 pub fn with_free_name(mut message: Message, names: &mut BTreeSet<String>) -> Message {
-    for suffix in [format!("_CRC{}", message.crc_extra), format!("_ID{}", message.id)] {
-        if names.contains(&message.name) {
-            message.name += &suffix;
+    message.name = free_name(message.name, message.id, message.crc_extra, names);
+    message
+}
+
+/// A message's name, with suffixes if it is among `names`. It is added to them.
+pub(crate) fn free_name(
+    mut name: String,
+    id: u32,
+    crc_extra: u8,
+    names: &mut BTreeSet<String>,
+) -> String {
+    for suffix in [format!("_CRC{crc_extra}"), format!("_ID{id}")] {
+        if names.contains(&name) {
+            name += &suffix;
         }
     }
-    names.insert(message.name.clone());
-    message
+    names.insert(name.clone());
+    name
 }
 
 impl MessageDef {

@@ -1,25 +1,26 @@
 //! The union of definition files that are not written for each other: those of both upstreams, and a newer set beside them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use crate::definitions::{Definitions, EnumDef, MessageDef};
 use crate::layout::Layout;
 use crate::parse::dialect_name;
+use crate::resolve::free_name;
 
 /// The dialect that includes all others of a set that may be used together.
 const ALL: &str = "all";
 
 /// Sets of files as one file, and the layouts that it has no place for.
 ///
-/// The first definition counts: an id, a name or an enum value that is taken stays as it is. Of two messages that differ in
-/// extension fields alone the longer one counts.
+/// The first definition counts: an id or an enum value that is taken stays as it is. Of two messages that differ in extension
+/// fields alone the longer one counts. A message whose name is taken gets a suffix, and keeps its `crc_extra`.
 #[derive(Debug, Default)]
 pub struct Union {
     own: Definitions,
     others: Vec<MessageDef>,
     /// Where `own` has the message of an id.
     by_id: HashMap<u32, usize>,
-    names: HashSet<String>,
+    names: BTreeSet<String>,
     /// The ids with `crc_extra` of `own` and `others`.
     keys: HashSet<(u32, u8)>,
     enums: HashMap<String, KnownEnum>,
@@ -60,21 +61,28 @@ impl Union {
         (own, Definitions { name, version, messages: self.others, ..Definitions::default() })
     }
 
-    fn add_message(&mut self, message: MessageDef) {
+    fn add_message(&mut self, mut message: MessageDef) {
         let key = key(&message);
         match self.by_id.get(&message.id) {
             Some(&index) if self::key(&self.own.messages[index]) == key => {
                 let known = &mut self.own.messages[index];
                 if message.fields.len() > known.fields.len() {
+                    message.name = std::mem::take(&mut known.name);
+                    message.crc_extra = known.crc_extra;
                     *known = message;
                 }
             }
-            None if self.names.insert(message.name.to_ascii_uppercase()) => {
+            None => {
+                let name = message.name.to_ascii_uppercase();
+                let free = free_name(name.clone(), message.id, key.1, &mut self.names);
+                if free != name {
+                    (message.name, message.crc_extra) = (free, Some(key.1));
+                }
                 self.keys.insert(key);
                 self.by_id.insert(message.id, self.own.messages.len());
                 self.own.messages.push(message);
             }
-            _ => self.add_others([message]),
+            Some(_) => self.add_others([message]),
         }
     }
 
@@ -103,8 +111,10 @@ fn in_order(mut files: Vec<Definitions>) -> Vec<Definitions> {
     files.sort_by(|a, b| a.name.cmp(&b.name));
     let mut ordered = Vec::new();
     let mut wanted = vec![ALL.to_owned()];
-    while let Some(name) = wanted.pop() {
-        if let Some(index) = files.iter().position(|file| file.name == name) {
+    let mut next = 0;
+    while let Some(name) = wanted.get(next) {
+        next += 1;
+        if let Some(index) = files.iter().position(|file| file.name == *name) {
             let file = files.remove(index);
             wanted.extend(file.includes.iter().map(|path| dialect_name(path).to_owned()));
             ordered.push(file);
