@@ -110,6 +110,7 @@ __all__ = [
     "date_text",
     "decompress",
     "definition_sources",
+    "definition_union",
     "describe",
     "draft_stem",
     "dump_log",
@@ -175,6 +176,14 @@ class DefinitionFile:
 
 def builtin_definitions(name: str) -> str:
     """A definition file that comes with mavwire, as `DefinitionFile.parse` gives it; DefinitionError if there is none."""
+
+def definition_union(sets: list[dict[str, str]], with_upstream: bool) -> str:
+    """The union of sets of files, for each the texts by file base names, as `DefinitionFile.parse` gives it.
+
+    The first definition of an id, a name or an enum value counts. Behind the sets comes the dialect `upstream` if wanted.
+    The `line` of an enum, an entry or a message is its number among all of them: sets in order, their files by name, and
+    in a file enums, each with its entries, before messages. DefinitionError where a text is wrong.
+    """
 
 def definition_sources() -> str:
     """Where the definitions come from that come with mavwire, as TOML: revision, date and digests by source."""

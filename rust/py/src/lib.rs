@@ -47,8 +47,8 @@ mod _native {
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
     use crate::dialect::definition_file::{
-        DefinitionFile, builtin_definitions, crc_extra, definition_sources, field_type,
-        number_behind,
+        DefinitionFile, builtin_definitions, crc_extra, definition_sources, definition_union,
+        field_type, number_behind,
     };
     #[pymodule_export]
     use crate::dialect::describe::describe;

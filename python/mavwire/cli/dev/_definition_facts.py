@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mavwire._native import DefinitionFile, builtin_definitions
+from mavwire._native import DefinitionFile, builtin_definitions, definition_union
 from mavwire.dialects import _sources, names
 
 Pairs = dict[Any, Any]
@@ -25,6 +25,11 @@ class Message:
     fields: dict[str, str]
     wire: list[tuple[str, str, bool]]
     """Name, type, and whether it is an extension, of each field."""
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """What frames tell of the definition."""
+        return self.name, self.crc_extra
 
 
 @dataclass
@@ -68,12 +73,21 @@ def of_set(place: str) -> Facts:
     or `DefinitionError`.
     """
     if place in names():
-        return _gathered([place], {})
+        return _gathered(place, {})
     if not os.path.isdir(place):
         main, sources = _sources.collect(place, None)
-        return _gathered([main], sources)
-    sources = {path.stem: _sources.read_text(path) for path in definition_files(Path(place))}
-    return _gathered(["all"] * ("all" in sources) + sorted(sources), sources)
+        return _gathered(main, sources)
+    return of_sets([texts_of(Path(place))])
+
+
+def of_sets(sets: list[dict[str, str]], with_upstream: bool = False) -> Facts:
+    """The facts of the union of sets of files, and of the dialect `upstream` behind them. Raises `DefinitionError`."""
+    return parsed(definition_union(sets, with_upstream))
+
+
+def texts_of(folder: Path) -> dict[str, str]:
+    """The texts of a folder or checkout by base name. Raises OSError or `DefinitionError`."""
+    return {path.stem: _sources.read_text(path) for path in definition_files(folder)}
 
 
 def definition_files(folder: Path) -> list[Path]:
@@ -84,9 +98,9 @@ def definition_files(folder: Path) -> list[Path]:
     raise FileNotFoundError(errno.ENOENT, "no definition files (*.xml)", str(folder))
 
 
-def _gathered(pending: list[str], sources: dict[str, str]) -> Facts:
-    """The facts of these files and of all that they include, the first ones first."""
-    facts, seen = Facts(), set()
+def _gathered(main: str, sources: dict[str, str]) -> Facts:
+    """The facts of a file and of all that it includes, the first ones first."""
+    facts, seen, pending = Facts(), set(), [main]
     while pending:
         name = pending.pop(0)
         if name not in seen:

@@ -1,9 +1,11 @@
 //! A definition file for the generator, which works on one file at a time and before anything is known to be right.
 
+use std::collections::BTreeMap;
+
 use mavwire_core::builtin;
 use mavwire_schema::{
-    Definitions, Layout, ParseOptions, Reason, Rules, SchemaError, check_schema, parse_definitions,
-    standalone,
+    Definitions, Layout, ParseOptions, Reason, Rules, SchemaError, Union, check_schema,
+    parse_definitions, standalone,
 };
 use pyo3::prelude::*;
 
@@ -55,6 +57,39 @@ impl DefinitionFile {
 #[pyfunction]
 pub(crate) fn builtin_definitions(name: &str) -> PyResult<String> {
     to_json(&builtin::definitions(name).map_err(Error::from)?)
+}
+
+/// Texts by file base names.
+pub(crate) type FileSet = BTreeMap<String, String>;
+
+/// The definitions of sets of files.
+pub(crate) fn parse_sets(sets: &[FileSet]) -> Result<Vec<Vec<Definitions>>, SchemaError> {
+    let parse = |(name, text): (&String, &String)| {
+        parse_definitions(&format!("{name}.xml"), text, &ParseOptions::default())
+    };
+    sets.iter().map(|set| set.iter().map(parse).collect()).collect()
+}
+
+/// The union of sets of files, with the dialect `upstream` behind them if wanted, as `DefinitionFile.parse` gives it. The
+/// `line` of an enum, an entry or a message is its number: within a file enums with their entries come first.
+#[pyfunction]
+pub(crate) fn definition_union(sets: Vec<FileSet>, with_upstream: bool) -> PyResult<String> {
+    let mut sets = parse_sets(&sets).map_err(Error::from)?;
+    let mut numbers = 0..;
+    let mut number = |line: &mut u32| *line = numbers.next().unwrap_or_default();
+    for file in sets.iter_mut().flatten() {
+        for definition in &mut file.enums {
+            number(&mut definition.line);
+            definition.entries.iter_mut().for_each(|entry| number(&mut entry.line));
+        }
+        file.messages.iter_mut().for_each(|message| number(&mut message.line));
+    }
+    if with_upstream {
+        sets.push(vec![builtin::definitions(builtin::UPSTREAM).map_err(Error::from)?]);
+    }
+    let mut union = Union::default();
+    sets.into_iter().for_each(|set| union.add(set));
+    to_json(&union.finish(builtin::UPSTREAM).0)
 }
 
 /// The text of `message_definitions/sources.toml`: where the definitions come from that come with mavwire.

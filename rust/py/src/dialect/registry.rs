@@ -16,6 +16,7 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict, PyList, PyString, PyTuple, PyType};
 
+use crate::dialect::definition_file::{FileSet, parse_sets};
 use crate::message::create;
 use crate::message::info::{Info, MessageInfo};
 use crate::message::object::{Message, Origin};
@@ -206,13 +207,8 @@ impl Dialect {
 
     /// The dialect `upstream` with newer sets of definitions: for each set the texts by file base names.
     #[staticmethod]
-    fn upstream_with(sets: Vec<HashMap<String, String>>, wire_protocol: &str) -> Result<Self> {
-        let parse = |(name, text): (&String, &String)| {
-            parse_definitions(&format!("{name}.xml"), text, &ParseOptions::default())
-        };
-        let sets: Result<Vec<Vec<_>>, _> =
-            sets.iter().map(|set| set.iter().map(parse).collect()).collect();
-        let dialect = builtin::upstream_with(sets?, wire_version(wire_protocol)?)?;
+    fn upstream_with(sets: Vec<FileSet>, wire_protocol: &str) -> Result<Self> {
+        let dialect = builtin::upstream_with(parse_sets(&sets)?, wire_version(wire_protocol)?)?;
         Ok(Self::new(Registry::new(dialect)))
     }
 
