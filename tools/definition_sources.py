@@ -1,9 +1,12 @@
-"""message_definitions/sources.toml: the origin of the definitions, and the digests of what was read and written."""
+"""message_definitions/sources.toml: the origin of the definitions, the digests of what was read and written, and the
+changes of messages that somebody accepted.
+"""
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import subprocess
 import tomllib
 from dataclasses import dataclass, field
@@ -15,9 +18,13 @@ from mavwire.cli.dev._definition_facts import definition_files
 
 DEFINITIONS = Path(__file__).resolve().parent.parent / "message_definitions"
 SOURCES = DEFINITIONS / "sources.toml"
+UNION = DEFINITIONS / "upstream" / "upstream.xml"
+HISTORY = UNION.with_name("history.xml")
 WRITTEN = "written"
+ACCEPTED = "accepted"
 HEAD = """# Where the definitions come from: the SHA-256 of each file that was read, and of each file that was written.
-# Written by tools/import_definitions.py, tools/union_definitions.py and tools/import_history.py.
+# Written by tools/import_definitions.py, tools/union_definitions.py and tools/import_history.py. `[[accepted]]` is written
+# by hand: tools/definitions_check.py prints it for each change that is held back.
 """
 
 
@@ -32,6 +39,31 @@ class Source:
 
     def __str__(self) -> str:
         return f"{self.name} {self.revision[:12]} ({self.date})"
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """A change that the union takes: of a message id, the old and the new CRC_EXTRA; of an enum, the old and the new
+    entry as `NAME = VALUE`. Without `new` a message is removed.
+    """
+
+    old: int | str
+    id: int | None = None
+    enum: str | None = None
+    new: int | str | None = None
+    reason: str = ""
+
+    def __str__(self) -> str:
+        rows = {"id": self.id, "enum": self.enum, "old": self.old, "new": self.new}
+        rows["reason"] = self.reason
+        lines = [f"{key} = {json.dumps(value)}" for key, value in rows.items() if value is not None]
+        return "\n".join(["[[accepted]]", *lines])
+
+
+def accepted(path: Path = SOURCES) -> list[Accepted]:
+    """The accepted changes in the order of the file."""
+    content = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    return [Accepted(**row) for row in content.get(ACCEPTED, [])]
 
 
 def digest(path: Path) -> str:
@@ -52,13 +84,14 @@ def load(path: Path = SOURCES) -> dict[str, Source]:
     return {
         name: Source(name, row.get("revision", ""), row.get("date"), row["sha256"])
         for name, row in content.items()
+        if name != ACCEPTED
     }
 
 
 def save(*changed: Source, path: Path = SOURCES) -> None:
     """Replace these sources and keep the others."""
     sources = load(path) | {source.name: source for source in changed}
-    lines = [HEAD]
+    lines = [HEAD, *(f"{one}\n" for one in accepted(path))]
     for name, source in sorted(sources.items()):
         if source.revision:
             lines += [f'["{name}"]', f'revision = "{source.revision}"', f"date = {source.date}\n"]

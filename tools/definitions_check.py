@@ -1,128 +1,197 @@
 #!/usr/bin/env python3
 """Compare newer checkouts of the upstreams with the pinned definitions; a verdict for each file.
 
-    tools/definitions_check.py DIR...                 # exit 1 where more than additions came
+    tools/definitions_check.py DIR...                 # exit 1 where a change is held back
     tools/definitions_check.py --max-age 30 DIR...    # exit 1 where changes came and the pins are older
 
 Additive are new messages, new extension fields at the end, new enums and new entries: `tools/union_definitions.py` imports
-these. A changed CRC_EXTRA, an id or a name that is taken, and a changed or renamed enum value need a decision.
-Within a checkout the files that `all.xml` includes come first. Later messages with the same id are left out of the union.
+these. A changed CRC_EXTRA, an id or a name that is taken, and a changed or renamed enum value are held back: the union keeps
+its own. Such a change is imported once message_definitions/sources.toml has it under `[[accepted]]`.
+Files of a checkout that are not meant to be used together may share an id. Those of `all.xml` come first.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import definition_sources
+from definition_sources import UNION, Accepted
 from import_definitions import OUTPUT
 from mavwire._native import DefinitionError
 from mavwire.cli.dev._definition_facts import Facts, Message, definition_files, of_file, of_set
-from union_definitions import UNION
 
 ADDITIVE = "additive"
+ACCEPTED = "accepted"
+IMPORTED = {ADDITIVE, ACCEPTED}
+ID_CLASH = "id clash"
+HOW_TO_ACCEPT = """The union keeps its own of what is held back. To accept a change add its lines to
+message_definitions/sources.toml, with a reason, and run make definitions-import:"""
+Change = tuple[str, str, Accepted | None]
+"""The kind, a text, and what would accept it."""
 
 
 @dataclass
 class Verdict:
-    """What came in a file, by kind of change."""
+    """What came in a file, by kind of change, and what of the file may be imported."""
 
-    file: str
+    file: Path
+    facts: Facts
+    is_pinned: bool
     changes: dict[str, list[str]] = field(default_factory=dict)
+    to_accept: list[Accepted] = field(default_factory=list)
 
-    def add(self, kind: str, text: str) -> None:
-        """Note a change."""
+    def add(self, kind: str, text: str, to_accept: Accepted | None = None) -> None:
+        """Note a change, and what would accept it."""
         self.changes.setdefault(kind, []).append(text)
+        self.to_accept += [to_accept] if to_accept else []
 
     @property
     def is_breaking(self) -> bool:
-        """Whether more than additions came."""
-        return not self.changes.keys() <= {ADDITIVE}
+        """Whether something is held back."""
+        return not self.changes.keys() <= IMPORTED
 
     def __str__(self) -> str:
         kinds = [f"{kind}: {', '.join(texts)}" for kind, texts in sorted(self.changes.items())]
         return f"{self.file}: {'; '.join(kinds) or 'unchanged'}"
 
 
-def check(folder: Path, union: Facts, drop_in: Facts, pinned: set[str]) -> list[Verdict]:
-    """A verdict for each file of a checkout. Files with a digest of `pinned` are unchanged. The union gets what is new."""
-    files = {path.stem: path for path in definition_files(folder)}
-    facts = {name: of_file(path) for name, path in files.items()}
-    taken: dict[int, tuple[str, int]] = {}
-    verdicts = []
-    for name in in_order(facts):
-        verdict = Verdict(str(files[name]))
-        verdicts.append(verdict)
-        is_pinned = definition_sources.digest(files[name]) in pinned
-        for id_, message in facts[name].messages.items():
-            key = (message.name, message.crc_extra)
-            if taken.setdefault(id_, key) == key and not is_pinned:
-                judge_message(id_, message, union, verdict)
-        if not is_pinned:
-            judge_enums(facts[name], union, drop_in, verdict)
-    for name in in_order(facts):
-        union.add(facts[name])
-    return verdicts
+class Judge:
+    """The union so far, and the decisions about changes of it."""
 
+    def __init__(self, union: Path, accepted: list[Accepted]) -> None:
+        self.union = of_file(union) if union.is_file() else Facts()
+        self.drop_in = of_set(str(OUTPUT))
+        self.pinned: set[str] = set()
+        self.new = {(one.id or one.enum, one.old): one.new for one in accepted}
+        self.replaced: set[tuple[Any, Any]] = set()
+        for one in accepted:  # a later one may take back an earlier one
+            key = one.id or one.enum
+            self.replaced = (self.replaced | {(key, one.old)}) - {(key, one.new)}
 
-def in_order(facts: dict[str, Facts]) -> list[str]:
-    """The names of the files: `all` with all that it includes, then the others."""
-    order = ["all"]
-    for name in order:  # which grows meanwhile
-        included = facts[name].includes if name in facts else []
-        order += [one for one in included if one not in order]
-    return [name for name in dict.fromkeys([*order, *sorted(facts)]) if name in facts]
+    def check(self, folder: Path) -> list[Verdict]:
+        """A verdict for each file of a folder, or for one file. The union gets what may be imported."""
+        counted = of_set(str(folder)).messages
+        verdicts = []
+        for path in definition_files(folder) if folder.is_dir() else [folder]:
+            is_pinned = definition_sources.digest(path) in self.pinned
+            verdict = Verdict(path, of_file(path), is_pinned)
+            self._check_messages(counted, verdict)
+            for enum, entries in verdict.facts.enums.items():
+                self._check_entries(enum, entries, verdict)
+            verdicts.append(verdict)
+        for verdict in verdicts:
+            self._add(verdict.facts, counted)
+        return verdicts
 
+    def _add(self, facts: Facts, counted: dict[int, Message]) -> None:
+        """Add what is not held back to the union."""
+        for id_, message in facts.messages.items():
+            known = self.union.messages.get(id_)
+            if counted[id_].key == message.key and (known is None or known.key != message.key):
+                self.union.messages[id_] = message
+        for enum, entries in facts.enums.items():
+            self.union.enums.setdefault(enum, {}).update(entries)
 
-def judge_message(id_: int, message: Message, union: Facts, verdict: Verdict) -> None:
-    """Compare a message with the one that has its id."""
-    known = union.messages.get(id_)
-    label = f"{message.name} ({id_})"
-    if known is None:
-        others = [other for other, one in union.messages.items() if one.name == message.name]
-        if others:
-            verdict.add("id clash", f"{message.name} is {others[0]} and {id_}")
+    def _check_messages(self, counted: dict[int, Message], verdict: Verdict) -> None:
+        """Judge the messages of a file that count, and drop those that are held back."""
+        messages = verdict.facts.messages
+        for id_, message in [*messages.items()]:
+            changes = [*self._changes(id_, message)]
+            if any(kind not in IMPORTED for kind, _, _ in changes):
+                del messages[id_]
+            if counted[id_].key == message.key:
+                for change in changes:
+                    verdict.add(*change)
+            if (id_, message.crc_extra) in self.replaced:
+                messages.pop(id_, None)
+
+    def _changes(self, id_: int, message: Message) -> Iterator[Change]:
+        """Compare a message with the one of the union that has its id."""
+        if (id_, message.crc_extra) in self.replaced:
+            return
+        known = self.union.messages.get(id_)
+        label = f"{message.name} ({id_})"
+        if known is None:
+            owners = (one for one in self.union.messages.items() if one[1].name == message.name)
+            owner, other = next(owners, (id_, message))
+            if owner == id_ or (owner, other.crc_extra) in self.replaced:
+                yield ADDITIVE, f"message {label}", None
+            else:
+                yield (
+                    ID_CLASH,
+                    f"{message.name} is {owner} and {id_}",
+                    Accepted(other.crc_extra, owner),
+                )
+        elif known.key != message.key:
+            old, new = known.crc_extra, message.crc_extra
+            if self.new.get((id_, old)) == new:
+                yield ACCEPTED, f"{label} {old} -> {new}", None
+            elif known.name != message.name:
+                yield (
+                    ID_CLASH,
+                    f"{id_} is {known.name} and {message.name}",
+                    Accepted(old, id_, new=new),
+                )
+            else:
+                yield "changed CRC_EXTRA", f"{label} {old} -> {new}", Accepted(old, id_, new=new)
+        elif (
+            known.wire != message.wire[: len(known.wire)]
+            and message.wire != known.wire[: len(message.wire)]
+        ):
+            yield "changed extension fields", label, None
         else:
-            verdict.add(ADDITIVE, f"message {label}")
-    elif known.name != message.name:
-        verdict.add("id clash", f"{id_} is {known.name} and {message.name}")
-    elif known.crc_extra != message.crc_extra:
-        verdict.add("changed CRC_EXTRA", f"{label} {known.crc_extra} -> {message.crc_extra}")
-    elif (
-        known.wire != message.wire[: len(known.wire)]
-        and message.wire != known.wire[: len(message.wire)]
-    ):
-        verdict.add("changed extension fields", label)
-    else:
-        for name, *_ in message.wire[len(known.wire) :]:
-            verdict.add(ADDITIVE, f"field {name} of {label}")
+            for name, *_ in message.wire[len(known.wire) :]:
+                yield ADDITIVE, f"field {name} of {label}", None
 
-
-def judge_enums(facts: Facts, union: Facts, drop_in: Facts, verdict: Verdict) -> None:
-    """Compare the entries of a file's enums with those of the same name."""
-    for enum, entries in facts.enums.items():
-        known = union.enums.get(enum)
+    def _check_entries(self, enum: str, entries: dict[str, int], verdict: Verdict) -> None:
+        """Judge the entries of an enum of a file, and drop those that are held back."""
+        known = self.union.enums.get(enum)
         if known is None:
             verdict.add(ADDITIVE, f"enum {enum}")
-            continue
+            return
         names = {value: name for name, value in known.items()}
-        for name, value in entries.items():
-            if drop_in.enums.get(enum, {}).get(name) == value:
-                continue  # upstream gave the value another name, which the union has
-            if name in known and known[name] != value:
-                verdict.add("enum values changed", f"{name} {known[name]} -> {value}")
-            elif name not in known and value in names:
-                verdict.add("enum values changed", f"{value} is {names[value]} and {name}")
-            elif name not in known:
+        for name, value in [*entries.items()]:
+            rival = name if name in known else names.get(value)
+            if known.get(name) == value:
+                continue
+            if rival is None:
                 verdict.add(ADDITIVE, f"entry {name}")
+                continue
+            old, new = f"{rival} = {known[rival]}", f"{name} = {value}"
+            text = (
+                f"{name} {known[name]} -> {value}"
+                if rival == name
+                else f"{value} is {rival} and {name}"
+            )
+            if self.new.get((enum, old)) == new:
+                verdict.add(ACCEPTED, text)
+                del known[rival]
+                continue
+            del entries[name]
+            # Upstream gave values of the drop-in dialects other names, which the union has.
+            if (enum, new) not in self.replaced and self.drop_in.enums.get(enum, {}).get(
+                name
+            ) != value:
+                verdict.add("enum values changed", text, Accepted(old, enum=enum, new=new))
 
 
 def days_behind(sources: dict[str, definition_sources.Source], today: date) -> int:
     """The age in days of the oldest pinned commit."""
     return max((today - one.date).days for name, one in sources.items() if "/" in name and one.date)
+
+
+def report(verdicts: list[Verdict]) -> str:
+    """The changed files, and how to accept what is held back."""
+    lines = [str(one) for one in verdicts if one.changes]
+    if to_accept := [str(one) for verdict in verdicts for one in verdict.to_accept]:
+        lines += ["", HOW_TO_ACCEPT, *dict.fromkeys(to_accept)]
+    return "\n".join(lines) or f"{len(verdicts)} files, none of them changed"
 
 
 def main(argv: list[str] | None = None, today: date | None = None) -> int:
@@ -136,22 +205,18 @@ def main(argv: list[str] | None = None, today: date | None = None) -> int:
     )
     options = parser.parse_args(argv)
     sources = definition_sources.load()
-    pinned = {digest for one in sources.values() for digest in one.sha256.values()}
     try:
-        union = of_file(UNION)
-        drop_in = of_set(str(OUTPUT))
-        verdicts = [
-            one for folder in options.folders for one in check(folder, union, drop_in, pinned)
-        ]
+        judge = Judge(UNION, definition_sources.accepted())
+        judge.pinned = {digest for one in sources.values() for digest in one.sha256.values()}
+        verdicts = [one for folder in options.folders for one in judge.check(folder)]
     except (OSError, DefinitionError) as failure:
         print(f"error: {failure}", file=sys.stderr)
         return 2
-    changed = [one for one in verdicts if one.changes]
-    print("\n".join(map(str, changed)) or f"{len(verdicts)} files, none of them changed")
+    print(report(verdicts))
     if options.max_age is None:
-        return int(any(one.is_breaking for one in changed))
+        return int(any(one.is_breaking for one in verdicts))
     age = days_behind(sources, today or date.today())
-    if not changed or age <= options.max_age:
+    if age <= options.max_age or all(one.is_pinned for one in verdicts if one.changes):
         return 0
     print(
         f"the pinned definitions are {age} days old, and these changes are not in them: run make definitions-import"

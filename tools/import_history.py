@@ -21,12 +21,11 @@ from pathlib import Path
 from typing import Any
 
 import definition_sources
+from definition_sources import HISTORY, UNION, Accepted
 from import_definitions import HEADER, write_element
 from mavwire import _native
-from mavwire.cli.dev._definition_facts import definition_files
-from union_definitions import UNION
+from mavwire.cli.dev._definition_facts import Facts, definition_files, parsed
 
-HISTORY = UNION.with_name("history.xml")
 SHORTEST_LIFE = timedelta(days=14)
 # MAVLink 1.0 came in September 2011. The files of 0.9 were deleted much later.
 FIRST_OF_MAVLINK_1 = "2011-09-01"
@@ -99,6 +98,27 @@ def text(rows: list[dict[str, Any]]) -> str:
         + "\n".join([*lines, "  </messages>", "</mavlink>"])
         + "\n"
     )
+
+
+def keep(old: str, union: Facts, accepted: list[Accepted]) -> None:
+    """Add the layouts to the history that the old text of the union has, and the union does not have any more."""
+    text = HISTORY.read_text(encoding="utf-8")
+    definitions, layouts = json.loads(_native.DefinitionFile("history", text).parse())
+    rows = zip(definitions["messages"], layouts, strict=True)
+    known = {(row["id"], layout["crc_extra"]) for row, layout in rows}
+    known |= {(id_, message.crc_extra) for id_, message in union.messages.items()}
+    before = parsed(_native.DefinitionFile("upstream", old).parse()).messages
+    reasons = {(one.id, one.old): one.reason.replace("--", "-") for one in accepted}
+    lines: list[str] = []
+    for message in ET.fromstring(old).iter("message"):
+        id_ = int(message.get("id", ""))
+        key = id_, before[id_].crc_extra
+        if key not in known:
+            lines.append(f"    <!-- CRC_EXTRA {key[1]}, replaced: {reasons.get(key, '')} -->")
+            write_element(message, 2, lines)
+    head, end, tail = text.rpartition("  </messages>")
+    added = "".join(f"{line}\n" for line in lines)
+    HISTORY.write_text(head + added + end + tail, encoding="utf-8", newline="\n")
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -119,13 +119,45 @@ def test_the_dialects_of_pymavlink_are_in_the_union(
     assert "none of them changed" in capsys.readouterr().out
 
 
-def test_a_pinned_file_is_unchanged(
+def test_a_release_does_not_wait_for_what_the_last_import_held_back(
     tmp_path: Path, pinned: dict[str, definition_sources.Source]
 ) -> None:
     folder = checkout(tmp_path, common=messages((2, "OTHER", fields("a"))))
-    assert definitions_check.main([str(folder)]) == 1
+    release = ["--max-age", "30", str(folder)]
+    assert definitions_check.main(release, date(2027, 1, 1)) == 1
     pinned["mavlink/mavlink"].sha256 = definition_sources.digests(folder)
+    assert definitions_check.main(release, date(2027, 1, 1)) == 0
+    assert definitions_check.main([str(folder)]) == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        messages((2, "TWO", fields("a", "b"))),
+        messages((2, "OTHER", fields("a"))),
+        messages((3, "TWO", fields("a"))),
+        enum(("E_A", 8)),
+        enum(("E_RENAMED", 2)),
+    ],
+)
+def test_a_change_is_accepted_with_the_lines_that_are_printed(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = checkout(tmp_path, common=text)
+    assert definitions_check.main([str(folder)]) == 1
+    printed = capsys.readouterr().out
+    (tmp_path / "sources.toml").write_text(printed[printed.index("[[accepted]]") :])
+    accepted = definition_sources.accepted(tmp_path / "sources.toml")
+    assert len(accepted) == 1
+    monkeypatch.setattr(definition_sources, "accepted", lambda: accepted)
     assert definitions_check.main([str(folder)]) == 0
+    # The other upstream still has the definition before.
+    before = checkout(tmp_path, before=definitions_check.UNION.read_text())
+    assert definitions_check.main([str(folder), str(before)]) == 0
+    # A later change needs a decision of its own.
+    later = text.replace("uint8_t", "uint16_t").replace('"8"', '"9"')
+    if later != text and accepted[0].new is not None:
+        assert definitions_check.main([str(checkout(tmp_path, later=later))]) == 1
 
 
 @pytest.mark.parametrize(
