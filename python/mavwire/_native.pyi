@@ -247,6 +247,9 @@ class Dialect:
     def defines(self, msgid: int, crc_extra: int) -> bool:
         """Whether frames of a message id with this `crc_extra` are messages, also of an earlier layout."""
 
+    def other_layouts(self) -> list[str]:
+        """Names of the layouts that message ids have in other definitions."""
+
     def message_class(self, name: str) -> type[Any]:
         """The message class of an upper-case name, made on first use; KeyError if there is none."""
 

@@ -103,6 +103,18 @@ def test_a_message_is_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> N
     assert fields[-1].split() == ["fault_bitmask", "uint32_t", "MAV_BATTERY_FAULT,", "extension"]
 
 
+def test_a_layout_that_an_id_had_before_is_shown(
+    plain: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown = show(capsys, "180", "upstream")
+    assert shown[0] == "CAMERA_FEEDBACK (180)"
+    others = " ".join(shown).partition("Other layouts of id 180: ")[2]
+    assert "SCRIPT_ITEM (CRC_EXTRA 231)" in others and others.count("CRC_EXTRA") == 6
+    one = next(name for name in others.split() if name.startswith("CAMERA_FEEDBACK_CRC"))
+    assert show(capsys, one, "upstream")[0] == f"{one} (180)"
+    assert show(capsys, "script_item", "upstream")[0] == "SCRIPT_ITEM (180)"
+
+
 def test_enums_and_commands_are_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert show(capsys, "MAV_STATE", plain)[:4] == [
         "MAV_STATE", _summaries.summary("enums", "MAV_STATE"), "", "  0  MAV_STATE_UNINIT",

@@ -17,18 +17,20 @@ def describe(module: Any, name: str) -> str:
     """What the dialect module has under `name`, in any letter case, or under a message id. CommandError if there is
     nothing.
     """
-    if name.isdecimal() and int(name) in module.mavlink_map:
-        return _message(module.mavlink_map[int(name)])
     wanted = name.upper()
+    native = module.MAVLink(None)._dialect
     messages = {cls.msgname: cls for cls in module.mavlink_map.values()}
+    messages |= {other: native.message_class(other) for other in native.other_layouts()}
+    ids = {str(cls.id): cls for cls in reversed(messages.values())}
     entries = {
         entry.name: (enum, value)
         for enum, values in module.enums.items()
         for value, entry in values.items()
         if not entry.name.endswith("_ENUM_END")
     }
-    if wanted in messages:
-        return _message(messages[wanted])
+    if cls := messages.get(wanted) or ids.get(wanted):
+        others = [one for one in messages.values() if one.id == cls.id and one is not cls]
+        return _message(cls, others)
     if wanted in module.enums:
         return _enum(wanted, module.enums[wanted])
     for one in (wanted, f"MAV_CMD_{wanted}"):
@@ -39,7 +41,8 @@ def describe(module: Any, name: str) -> str:
     raise CommandError(f"{module.DIALECT} has no message, enum or command {name!r}{hint}")
 
 
-def _message(cls: Any) -> str:
+def _message(cls: Any, others: list[Any]) -> str:
+    """A message, and the other layouts of its id."""
     info = cls._info
     rows = []
     for name, base, length, extension, _ in info.parameters:
@@ -57,7 +60,11 @@ def _message(cls: Any) -> str:
             )
         )
     text = " ".join(cls.__doc__.split())
-    return _page(f"{info.name} ({info.id})", "" if text == info.name else text, rows)
+    page = _page(f"{info.name} ({info.id})", "" if text == info.name else text, rows)
+    layouts = ", ".join(f"{one.msgname} (CRC_EXTRA {one.crc_extra})" for one in others)
+    return (
+        f"{page}\n\n{fill(f'Other layouts of id {info.id}: {layouts}', WIDTH)}" if others else page
+    )
 
 
 def _enum(name: str, enum: Any) -> str:

@@ -257,6 +257,12 @@ impl Dialect {
             || self.registry.other(msgid, crc_extra).is_some()
     }
 
+    /// Names of the layouts that ids have in other definitions.
+    fn other_layouts(&self) -> Vec<&str> {
+        let own = self.registry.own_messages().len();
+        self.registry.dialect().messages.iter().skip(own).map(|m| m.name.as_str()).collect()
+    }
+
     /// The message class of an upper-case name, or `KeyError`.
     fn message_class(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyType>> {
         let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
