@@ -59,7 +59,8 @@ def test_a_newer_set_is_the_dialect_upstream(
     before = len(upstream().mavlink_map)
     assert cli.main(["definitions", "update", str(checkout(tmp_path))]) == 0
     assert (
-        f"upstream has {before + 1} messages now, new are GREENHOUSE\n" in capsys.readouterr().out
+        f"upstream has {before + 1} messages now\n+ message GREENHOUSE (54000)\n"
+        in capsys.readouterr().out
     )
     module = upstream()
     assert len(module.mavlink_map) == before + 1 and module.MAVLINK_MSG_ID_GREENHOUSE == 54000
@@ -68,9 +69,33 @@ def test_a_newer_set_is_the_dialect_upstream(
     assert len(Dialect.builtin("upstream", "2.0").messages()) == before
     assert cli.main(["definitions"]) == 0
     printed = capsys.readouterr().out
-    assert f"upstream: built in and {tmp_path / 'mavlink-master'}, files up to 20" in printed
+    assert f"upstream: built in and {tmp_path / 'mavlink-master'}, installed 20" in printed
     pin = tomllib.loads(definition_sources())["mavlink/mavlink"]
     assert f"mavlink/mavlink {pin['revision'][:12]} ({pin['date']})" in printed
+
+
+def test_what_an_update_replaces_is_printed_and_still_known(
+    data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = GREENHOUSE.replace('54000" name="GREENHOUSE', '60123" name="EVENT')
+    changed = '<message id="44" name="MISSION_COUNT"><field type="float" name="count"/></message>'
+    text = text.replace("</messages>", f"{changed}</messages>")
+    before = upstream().mavlink_map
+    assert cli.main(["definitions", "update", str(checkout(tmp_path, text))]) == 0
+    printed = capsys.readouterr().out
+    assert "+ message EVENT (60123)\n" in printed
+    assert "~ message MISSION_COUNT (44) CRC_EXTRA 221 -> " in printed
+    assert "~ message EVENT_CRC160 (410, before EVENT)\n" in printed
+    module = upstream()
+    assert module.MAVLINK_MSG_ID_EVENT == 60123
+    moved = module.mavlink_map[410]
+    assert (moved.msgname, moved.crc_extra) == ("EVENT_CRC160", 160)
+    assert moved.fieldnames == before[410].fieldnames
+    assert cli.main(["definitions", "show", "44"]) == 0
+    assert (
+        "\nOther layouts of id 44: MISSION_COUNT_CRC221 (CRC_EXTRA 221)\n"
+        in capsys.readouterr().out
+    )
 
 
 def test_logs_are_read_with_the_newer_set(data_home: Path, tmp_path: Path) -> None:

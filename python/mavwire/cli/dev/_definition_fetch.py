@@ -16,7 +16,7 @@ from urllib import request
 from urllib.parse import urljoin, urlsplit
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli.dev._definition_facts import definition_files
+from mavwire.cli.dev._definition_facts import texts_of
 from mavwire.dialects import _sources
 
 MAX_DOWNLOAD = 64 << 20
@@ -27,16 +27,15 @@ Files = dict[str, tuple[bytes, date | None]]
 
 
 def fetch(source: str) -> tuple[dict[str, str], date | None]:
-    """The texts of a folder, file, archive or https address by base name, and the day of the newest file. CommandError,
-    OSError or DefinitionError for a source that cannot be read.
+    """The texts of a folder, file, archive or https address by base name, and the day of the newest file in an archive.
+    CommandError, OSError or DefinitionError for a source that cannot be read.
     """
     if os.path.isdir(source):
-        paths = definition_files(Path(source))
-        return {path.stem: _sources.read_text(path) for path in paths}, max(map(_changed, paths))
+        return texts_of(Path(source)), None
     if "://" in source:
         files = _downloaded(source)
     elif source.endswith(".xml"):
-        return _sources.collect(source, None)[1], _changed(Path(source))
+        return _sources.collect(source, None)[1], None
     else:
         with open(source, "rb") as file:
             files = _unpacked(file, source)
@@ -45,10 +44,6 @@ def fetch(source: str) -> tuple[dict[str, str], date | None]:
     texts = {Path(name).stem: _sources.decode(data, name) for name, (data, _) in files.items()}
     days = [day for _, day in files.values() if day is not None]
     return texts, max(days, default=None)
-
-
-def _changed(path: Path) -> date:
-    return datetime.fromtimestamp(path.stat().st_mtime).date()
 
 
 class _OnlyHttps(request.HTTPRedirectHandler):

@@ -146,17 +146,19 @@ def diff(old: str, new: str, as_json: bool) -> str:
 
 
 def update(sources: list[str]) -> str:
-    """Install newer definitions, if they make a dialect; a line about them."""
+    """Install newer definitions, if they make a dialect; a line about them, and the differences."""
+    from mavwire.cli.dev._definition_facts import as_text, changes, of_sets
     from mavwire.cli.dev._definition_fetch import fetch
 
     if not sources:
         raise CommandError("name a folder, an archive or an https address, or say --revert")
-    before = _installed.dialect("2.0") or Dialect.builtin(UPSTREAM, "2.0")
+    archive = Path(_installed.archive())
+    before = _installed.read(str(archive))[0] if _installed.dialect("2.0") else []
     try:
         sets, days = zip(*map(fetch, sources), strict=True)
-        _, messages = (
-            dict(Dialect.upstream_with([*sets], wire).messages()) for wire in ("1.0", "2.0")
-        )
+        for wire in ("1.0", "2.0"):
+            Dialect.upstream_with([*sets], wire)
+        old, new = of_sets(before, with_upstream=True), of_sets([*sets], with_upstream=True)
     except DefinitionError as error:
         raise CommandError(f"nothing installed: {error}") from None
     newest = max(filter(None, days), default=None)
@@ -165,16 +167,14 @@ def update(sources: list[str]) -> str:
         "newest": newest and newest.isoformat(),
         "installed": date.today().isoformat(),
     }
-    archive = Path(_installed.archive())
     archive.parent.mkdir(parents=True, exist_ok=True)
     if archive.is_file():
         with replacing(_installed.previous()) as file:
             file.write(archive.read_bytes())
     with replacing(archive) as file:
         file.write(_installed.packed(sets, facts))
-    new = [*(messages.keys() - dict(before.messages()))]
-    names = f", new are {', '.join(sorted(new))}" if new else ""
-    return f"installed in {archive}: {UPSTREAM} has {len(messages)} messages now{names}"
+    difference = as_text(changes(old, new)) or "no difference"
+    return f"installed in {archive}: {UPSTREAM} has {len(new.messages)} messages now\n{difference}"
 
 
 def revert() -> str:
