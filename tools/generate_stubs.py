@@ -22,7 +22,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mavwire._native import Dialect, Message, MessageInfo
+from mavwire._native import FIELD_TYPES, Dialect, Message, MessageInfo
 from mavwire.dialects import UPSTREAM
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -90,7 +90,7 @@ def signature(name: str, parts: list[str], result: str) -> str:
 
 def base_type(field_type: str) -> str:
     """Type of one value of a field."""
-    return "float" if field_type in ("float", "double") else "int"
+    return "float" if FIELD_TYPES[field_type] else "int"
 
 
 def parameters(info: MessageInfo, with_version: bool) -> list[str]:
