@@ -75,7 +75,10 @@ def test_a_newer_set_is_the_dialect_upstream(
 
 
 def test_what_an_update_replaces_is_printed_and_still_known(
-    data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    data_home: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     text = GREENHOUSE.replace('54000" name="GREENHOUSE', '60123" name="EVENT')
     changed = '<message id="44" name="MISSION_COUNT"><field type="float" name="count"/></message>'
@@ -91,6 +94,7 @@ def test_what_an_update_replaces_is_printed_and_still_known(
     moved = module.mavlink_map[410]
     assert (moved.msgname, moved.crc_extra) == ("EVENT_CRC160", 160)
     assert moved.fieldnames == before[410].fieldnames
+    monkeypatch.setitem(sys.modules, module.__name__, module)  # a test before may have loaded it
     assert cli.main(["definitions", "show", "44"]) == 0
     assert (
         "\nOther layouts of id 44: MISSION_COUNT_CRC221 (CRC_EXTRA 221)\n"

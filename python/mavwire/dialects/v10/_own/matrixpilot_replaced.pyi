@@ -29,7 +29,6 @@ MAVLINK_MSG_ID_SERIAL_UDB_EXTRA_F17: int = 183
 MAVLINK_MSG_ID_SERIAL_UDB_EXTRA_F18: int = 184
 MAVLINK_MSG_ID_SERIAL_UDB_EXTRA_F19: int = 185
 MAVLINK_MSG_ID_SERIAL_UDB_EXTRA_F20: int = 186
-MAV_CMD_PREFLIGHT_STORAGE_ADVANCED: int = 0
 
 class MAVLink_flexifunction_set_message(_dialect.MAVLink_message):  # 150
     target_system: int

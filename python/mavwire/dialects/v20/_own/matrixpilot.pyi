@@ -14,6 +14,7 @@ MAV_PFS_CMD_WRITE_SPECIFIC: int = 4
 MAV_PFS_CMD_CLEAR_SPECIFIC: int = 5
 MAV_PFS_CMD_DO_NOTHING: int = 6
 MAV_PREFLIGHT_STORAGE_ACTION_ENUM_END: int
+MAV_CMD_PREFLIGHT_STORAGE_ADVANCED: int = 0
 
 class MAVLink_serial_udb_extra_f21_message(_dialect.MAVLink_message):  # 187
     sue_accel_x_offset: int
