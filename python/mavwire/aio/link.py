@@ -8,6 +8,7 @@ import math
 import weakref
 from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from mavwire.links.mavfile import IDLE_INTERVAL, mavfile
@@ -25,7 +26,6 @@ from .parameters import Parameters
 from .pump import Pump
 from .stream import Newest, Stream, newer
 from .texts import Texts
-from .timestamps import AheadStore
 from .transports import transport_of
 
 BACKLOG = 4096
@@ -203,15 +203,11 @@ class Link(Parameters):
         timestamp_store: Any = None,
         max_ahead: float | None = None,
     ) -> None:
-        """`sync.setup_signing`, with the same arguments and errors, but a `timestamp_store`
-        does not hold up the loop: it is read and written by threads."""
-        begin = self.sync._begin_signing
+        """`sync.setup_signing`, with the same arguments and errors. A thread reads a `timestamp_store`;
+        sending writes to it every ten seconds."""
         policy = (secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
-        if timestamp_store is None:
-            begin(prepared(*policy, None, max_ahead))
-        else:
-            store = AheadStore(timestamp_store)
-            begin(await in_background(lambda: prepared(*policy, store, max_ahead)))
+        made = partial(prepared, *policy, timestamp_store, max_ahead)
+        self.sync._begin_signing(made() if timestamp_store is None else await in_background(made))
 
     # -- state
 
