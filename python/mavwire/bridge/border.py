@@ -57,7 +57,7 @@ def border_from(
     version = options.get("version")
     if version is not None:
         version = whole("version", version, 2, least=1)
-    key = _key(options)
+    key = signing_key(options)
     flags = {
         name: flag(name, options.get(name, False))
         for name in ("verify_in", "sign_out", "strip_in", "strip_out")
@@ -105,7 +105,7 @@ def automation_from(options: Mapping[str, Any]) -> Automation:
     )
 
 
-def _key(options: Mapping[str, Any]) -> bytes | None:
+def signing_key(options: Mapping[str, Any]) -> bytes | None:
     """The signing key: 32 bytes, or 64 hexadecimal digits. What is wrong is told without it."""
     key, path = options.get("signing_key"), options.get("signing_key_file")
     name = "signing_key"

@@ -205,21 +205,12 @@ def setting(text: str) -> tuple[str, float]:
         raise ArgumentTypeError(f"not NAME=VALUE: {text!r}") from None
 
 
-def key_file(path: str) -> bytes:
+def key_file(path: str) -> bytes | None:
     """A signing key out of a file. Never on the command line, where everyone can read it."""
-    from mavwire.links.signing import KEY_LEN
+    from mavwire.bridge.border import signing_key
+    from mavwire.bridge.errors import ConfigError
 
     try:
-        with open(path, "rb") as file:
-            data = file.read(1024)  # a key is short, a device without end is none
-    except OSError as error:
-        raise ArgumentTypeError(f"{path}: {error.strerror}") from None
-    text = data.strip()
-    if len(text) == 2 * KEY_LEN:
-        try:
-            return bytes.fromhex(text.decode("ascii"))
-        except ValueError:
-            pass
-    if len(data) != KEY_LEN:
-        raise ArgumentTypeError(f"{path} holds neither 32 bytes nor 64 hexadecimal digits")
-    return data
+        return signing_key({"signing_key_file": path})
+    except ConfigError as error:
+        raise ArgumentTypeError(str(error)) from None
