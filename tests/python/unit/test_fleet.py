@@ -30,7 +30,6 @@ from mavwire.fleet.tasks import Recipe
 from mavwire.logs.conversion import convert as convert_here
 from mavwire.logs.conversion import prepare
 from mavwire.logs.manifest import Manifest
-from mavwire.logs.staging import remove_left, staging
 from unit.link_tools import heartbeat, record
 
 pytest.importorskip("fsspec")
@@ -372,15 +371,6 @@ def test_places(tmp_path, small):
             pass
     with pytest.raises(IsADirectoryError), located(str(tmp_path), (0, 1)):
         pass
-
-
-def test_runs_leave_each_other_s_folders_alone(tmp_path):
-    with staging(str(tmp_path)) as one:
-        remove_left(str(tmp_path))
-        with staging(str(tmp_path)) as other:
-            assert one != other
-            assert Path(one).is_dir() and Path(other).is_dir()
-    assert not list(tmp_path.glob(".mavwire-staging-*"))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no locks on folders")
