@@ -56,6 +56,13 @@ def open_link(path: str, **options: Any) -> Any:
     return mavutil.mavlink_connection(path, **options)
 
 
+def kind_of(link: Any) -> str:
+    """The kind of a link or log: "telemetry", "dataflash" or "CSV"."""
+    if hasattr(link, "mav"):
+        return "telemetry"
+    return "CSV" if hasattr(link, "message_type") else "dataflash"
+
+
 def _foresee_version(path: str) -> None:
     """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
     version 1 are loaded, which the log would replace as soon as it is opened.

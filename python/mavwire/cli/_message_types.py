@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import tell
-from mavwire.cli._link_kind import kind_of
 
 if TYPE_CHECKING:
     from mavwire.cli._reading import Reading

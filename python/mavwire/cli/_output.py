@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from mavwire._atomic_file import Replacement, is_replaceable
 from mavwire._signals import ended_in_order
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
+
+if TYPE_CHECKING:
+    from mavwire.plots.windows import Figures
 
 
 class OutputFile:
@@ -71,3 +74,11 @@ def refuse_log(path: str, logs: Iterable[str], option: str = "--output") -> None
         if os.path.exists(log) and os.path.exists(path) and os.path.samefile(log, path):
             told = f"{option} {path} is the log itself: name another file"
             raise CommandError(told.lstrip())
+
+
+def open_figures(output: str | None, option: str = "--image") -> Figures:
+    """Figures for windows, or for the image `output` of an option; CommandError if there can be none."""
+    from mavwire.plots.windows import Figures
+
+    with refused(ImportError, ValueError):
+        return Figures(output, option)

@@ -13,9 +13,9 @@ from itertools import chain, islice
 from typing import Any, TypeVar
 
 from mavwire import _log_link
+from mavwire._log_link import kind_of
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._link_kind import kind_of
 from mavwire.cli._progress import Progress
 
 T = TypeVar("T")

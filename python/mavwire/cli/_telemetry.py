@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError, refused
-from mavwire.cli._link_kind import kind_of
 
 if TYPE_CHECKING:
     from mavwire.cli._reading import Reading

@@ -13,7 +13,7 @@ import pytest
 from compass_logs import CENTRE, compass_log, sphere
 from mavwire import cli
 from mavwire.cli._batches import Spectrum, batches
-from mavwire.cli._figures import open_figures
+from mavwire.cli._output import open_figures
 from mavwire.cli.plots import fft_int
 from mavwire.cli.vehicle import magfit
 from mavwire.dialects.v20 import ardupilotmega as mavlink
@@ -142,7 +142,7 @@ def test_what_graphs_refuse(
     out = ("--output", "out.png")
     for wanted, arguments in {
         "No files to process": ("ATTITUDE.roll", *out),
-        "Name a field, such as ATTITUDE.roll": (log, *out),
+        "name a field, such as ATTITUDE.roll": (log, *out),
         "no such log: none.tlog": (log, "none.tlog", "ATTITUDE.roll", *out),
         "Number of labels (1) must match number of fields (2)": (
             log, "ATTITUDE.roll", "ATTITUDE.yaw", "--labels", "a", *out,

@@ -7,9 +7,9 @@ import json
 from argparse import Namespace
 from typing import Any
 
+from mavwire._log_link import kind_of
 from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._link_kind import kind_of
 from mavwire.cli._times import local_stamp
 from mavwire.links.recording import SETUP_SIGNING, shown
 

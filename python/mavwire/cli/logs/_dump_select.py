@@ -9,7 +9,7 @@ from argparse import Namespace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._link_kind import kind_of
+from mavwire._log_link import kind_of
 from mavwire.cli._message_types import unknown
 
 if TYPE_CHECKING:

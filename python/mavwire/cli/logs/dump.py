@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from typing import TYPE_CHECKING, Any
 
+from mavwire._log_link import kind_of
 from mavwire._native import StatusTexts
 from mavwire._text import is_terminal, shown_to
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import (
     STANDARD_INPUT,
     Reading,

@@ -8,8 +8,8 @@ from fnmatch import fnmatchcase
 from itertools import chain
 from typing import Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError
-from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 

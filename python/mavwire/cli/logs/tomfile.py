@@ -7,8 +7,8 @@ from argparse import ArgumentParser, Namespace
 from collections import Counter
 from typing import Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError
-from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import Reading, read_each

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._figures import open_figures
+from mavwire.cli._output import open_figures
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 

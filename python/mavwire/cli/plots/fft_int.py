@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._figures import open_figures
+from mavwire.cli._output import open_figures
 from mavwire.cli._reading import read_each
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.plots.fft import SENSORS, Samples, read_samples

@@ -7,7 +7,7 @@ from typing import Any
 
 from mavwire.cli._batches import density
 from mavwire.cli._errors import CommandError
-from mavwire.cli._figures import open_figures
+from mavwire.cli._output import open_figures
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 

@@ -13,8 +13,7 @@ from typing import Any
 
 from mavwire._text import in_words
 from mavwire.cli._errors import CommandError, refused, tell
-from mavwire.cli._figures import open_figures
-from mavwire.cli._output import refuse_log
+from mavwire.cli._output import open_figures, refuse_log
 from mavwire.cli._reading import definitions, link_options, reading
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.plots.plot import is_log

@@ -5,9 +5,9 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._figures import open_figures
-from mavwire.cli._link_kind import kind_of
+from mavwire.cli._output import open_figures
 from mavwire.cli._reading import Reading, results
 from mavwire.cli._shared_arguments import add_shared
 

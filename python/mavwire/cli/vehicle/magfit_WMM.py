@@ -11,10 +11,9 @@ from argparse import ArgumentParser, Namespace
 from math import atan2, degrees, radians
 from typing import TYPE_CHECKING, Any
 
+from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError, refused
-from mavwire.cli._figures import open_figures
-from mavwire.cli._link_kind import kind_of
-from mavwire.cli._output import writing
+from mavwire.cli._output import open_figures, writing
 from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_shared
 
