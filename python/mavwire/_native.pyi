@@ -53,11 +53,8 @@ from mavwire._stubs.logs import LogLink, LogScan, dump_log
 from mavwire._stubs.sending import (
     DescriptorPort,
     Exclusive,
-    PortError,
     StreamWriter,
     TlsPort,
-    ask_port,
-    close_port,
 )
 
 __all__ = [
@@ -90,7 +87,6 @@ __all__ = [
     "MessageInfo",
     "MetaAttr",
     "MicrosClock",
-    "PortError",
     "RecordBatches",
     "SequenceGaps",
     "Signing",
@@ -101,10 +97,8 @@ __all__ = [
     "__version__",
     "add_message",
     "align_tables",
-    "ask_port",
     "build",
     "builtin_definitions",
-    "close_port",
     "crc_extra",
     "csv_safe",
     "date_text",

@@ -41,7 +41,7 @@ class StreamWriter:
         """Bytes that a port has taken."""
 
     def write(self, port: Any, frame: bytes | bytearray | Iterable[int]) -> None:
-        """Sends `frame` after what is queued; PortError when the connection is gone, and then `clear` counts
+        """Sends `frame` after what is queued; OSError when the connection is gone, and then `clear` counts
         the frame."""
 
     def flush(self, port: Any) -> None:
@@ -49,15 +49,6 @@ class StreamWriter:
 
     def clear(self) -> None:
         """Drops and counts what is queued: the connection it was meant for is gone."""
-
-class PortError(Exception):
-    """`PortError(error)`: what a port raised itself, and no signal handler did meanwhile."""
-
-def ask_port(port: Any, name: str, *args: Any) -> Any:
-    """`port.name(*args)`; None where it would have to wait. Its own errors come as PortError."""
-
-def close_port(port: Any) -> None:
-    """Closes a port. Where that is an error the system has let go of the descriptor all the same."""
 
 @final
 class DescriptorPort:

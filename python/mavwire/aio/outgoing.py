@@ -11,8 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import PortError
-
 from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 
 if TYPE_CHECKING:
@@ -40,7 +38,7 @@ class SocketSender:
         return bool(getattr(self._sync, "_has_unsent", False))
 
     def flush(self) -> None:
-        _act(self._sync._send_rest, self._sync.port)
+        self._sync._send_rest(self._sync.port)
 
     def forget(self) -> None:
         """Links forget and count by themselves what was meant for a connection that is gone."""
@@ -68,21 +66,13 @@ class QueueSender(SocketSender):
         return self._find()
 
     def write(self, frame: bytes) -> None:
-        _act(self._sync._send_frame, self._port(), frame)
+        self._sync._send_frame(self._port(), frame)
 
     def flush(self) -> None:
-        _act(self._sync._send_rest, self._port())
+        self._sync._send_rest(self._port())
 
     def forget(self) -> None:
         self._sync._forget_unsent()
-
-
-def _act(act: Callable[..., None], *arguments: Any) -> None:
-    """`act(*arguments)`; an error of the port is raised as it is."""
-    try:
-        act(*arguments)
-    except PortError as failure:
-        raise failure.args[0] from None
 
 
 @dataclass(eq=False)

@@ -6,7 +6,7 @@ import os
 
 from . import Any
 from .chunked import READ_SIZE
-from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
+from .stream import DescriptorPort, StreamLink, StreamWriter
 
 
 class mavchildexec(StreamLink):
@@ -69,13 +69,13 @@ class mavchildexec(StreamLink):
             return b""
         try:
             self._send_rest(self._input)
-        except PortError:  # it takes no more, but what it said last is still to be read
+        except OSError:  # it takes no more, but what it said last is still to be read
             self._forget_unsent()
         try:
-            data: bytes | None = ask_port(self.port, "read", READ_SIZE if n is None else n)
-        except PortError as failure:
+            data: bytes | None = self.port.read(READ_SIZE if n is None else n)
+        except (OSError, ValueError):
             self._check_open()  # or another thread has closed it
-            raise failure.args[0] from None
+            raise
         if data is None:
             return b""
         if not data:
@@ -88,5 +88,5 @@ class mavchildexec(StreamLink):
         """Send one frame whole to the child's input; drop it when the child does not read, or has ended."""
         try:
             self._send_frame(self._input, buf)
-        except PortError:
+        except OSError:
             self._forget_unsent()

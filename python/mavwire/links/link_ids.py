@@ -12,7 +12,6 @@ import os
 from _thread import RLock
 
 from . import Any
-from .readiness import from_handler
 from .warn import warn
 
 # The locked file of each id -> its descriptor, which is open until the process ends.
@@ -37,8 +36,6 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
         with section:
             return _hold(path, fcntl)
     except OSError as error:
-        if from_handler(error):
-            raise
         warn("link ids of processes are not kept apart, give each a link_id: %s", error)
         return True
 
@@ -51,9 +48,7 @@ def _hold(path: str, fcntl: Any) -> bool:
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         _held[path] = fd
-    except BlockingIOError as error:
-        if from_handler(error):
-            raise
+    except BlockingIOError:
         return path in _held  # by a signal handler in between
     finally:
         if _held.get(path) != fd:

@@ -17,7 +17,7 @@ from mavwire._native import Link, MAVLink, instance_dict
 from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
-from .readiness import from_handler, wait_readable
+from .readiness import wait_readable
 from .recording import recorded
 from .signing import Signing
 from .tracking import Tracking
@@ -247,8 +247,6 @@ class mavfile(Link, Tracking, Commands, Signing):
             self._recording_failed(file, error)
 
     def _recording_failed(self, file: Any, error: Exception) -> None:
-        if type(file).__module__ == "_io" and from_handler(error):
-            raise error
         self.logfile_errors += 1
         if self.logfile_errors == 1:
             warn("recording failed: %s", error)
@@ -296,9 +294,9 @@ class mavfile(Link, Tracking, Commands, Signing):
                 # Closing a descriptor wakes nobody who waits for it.
                 if timeout <= 0 or self.fd != fd:
                     return False
-        except (OSError, ValueError, TypeError) as error:
-            if from_handler(error):
-                raise
+        except TimeoutError:  # of an alarm of the program: waiting itself has no such error
+            raise
+        except (OSError, ValueError, TypeError):
             time.sleep(max(0.0, min(WAIT_SLICE, timeout)))  # callers come again at once
             return False
         return True

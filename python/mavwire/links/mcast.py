@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mavwire._native import PortError, ask_port, close_port
-
 from . import Any
-from .readiness import from_handler
 from .udp import DatagramLink
 from .waiting import (
     address_family,
@@ -71,8 +68,8 @@ class mavmcast(DatagramLink):
                 self.port_out.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
             self.port_out.connect(socket_address((group, number)))
         except BaseException:
-            close_port(self.port)
-            close_port(self.port_out)
+            self.port.close()
+            self.port_out.close()
             raise
         for endpoint in (self.port, self.port_out):
             set_close_on_exec(endpoint.fileno())
@@ -95,9 +92,7 @@ class mavmcast(DatagramLink):
                 port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             try:
                 port.bind(socket_address((group, number)))
-            except OSError as error:
-                if from_handler(error):
-                    raise
+            except OSError:
                 # Windows binds no group address.
                 port.bind(("", number))
             # On the interface that is named, or the one that the system chooses.
@@ -112,13 +107,13 @@ class mavmcast(DatagramLink):
             port.setblocking(False)
             ask_for_room(port)
         except BaseException:
-            close_port(port)
+            port.close()
             raise
         return port
 
     def _release(self) -> None:
         super()._release()
-        close_port(self.port_out)
+        self.port_out.close()
 
     def recv(self, n: int | None = None) -> bytes:
         """One datagram of someone else; empty when none is waiting."""
@@ -132,8 +127,6 @@ class mavmcast(DatagramLink):
     def write(self, buf: bytes) -> None:
         """Send to the group; errors are counted, not raised."""
         try:
-            sent = ask_port(self.port_out, "send", buf)
-        except PortError:
-            sent = None
-        if sent is None:
+            self.port_out.send(buf)
+        except OSError:
             self.write_errors += 1

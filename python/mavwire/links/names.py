@@ -6,18 +6,11 @@ The system looks a name up for as long as its servers take to answer, and nothin
 from __future__ import annotations
 
 import errno
-import os
-import sys
-
-from mavwire._native import PortError, ask_port, close_port
 
 from . import Any
-from .readiness import from_handler, wait_writable
 
 # How long a wait goes on without a look at signals, in seconds.
 WAIT_SLICE = 0.1
-# The error of a non-blocking socket while it is being connected.
-IN_PROGRESS = getattr(errno, "WSAEWOULDBLOCK", errno.EINPROGRESS)
 
 
 def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
@@ -66,8 +59,8 @@ def is_numeric(host: str) -> bool:
     if ":" in host:
         return True
     try:
-        ask_port(socket, "inet_aton", host)
-    except PortError:
+        socket.inet_aton(host)
+    except OSError:
         return False
     return True
 
@@ -81,38 +74,11 @@ def connect_to(host: str, number: int, timeout: float) -> Any:
     for family, kind, protocol, _, address in look_up(host, number, 0, socket.SOCK_STREAM):
         port = socket.socket(family, kind, protocol)
         try:
-            connect(port, address, timeout)
-        except BaseException as error:
-            close_port(port)
-            if not isinstance(error, OSError) or from_handler(error):
-                raise
+            port.settimeout(timeout)
+            port.connect(address)
+        except OSError as error:
+            port.close()
             failure = error
         else:
             return port
     raise failure
-
-
-def connect(port: Any, address: Any, timeout: float) -> None:
-    """Connect a socket, which then waits for `timeout` seconds in all it does; an OSError with a number if that fails."""
-    import socket
-
-    # Without waiting: by its own time-out, which has no number, nobody could tell what a signal handler raises from it.
-    port.setblocking(False)
-    failure = port.connect_ex(address)
-    if failure == IN_PROGRESS:
-        has_answered = wait_writable(port.fileno(), timeout)
-        failure = (
-            port.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) if has_answered else errno.ETIMEDOUT
-        )
-    if failure:
-        raise OSError(failure, _words(failure))
-    port.settimeout(timeout)
-
-
-def _words(number: int) -> str:
-    """The text of the system for an error."""
-    if sys.platform == "win32":  # the C library there does not know those of sockets
-        import ctypes
-
-        return ctypes.FormatError(number)
-    return os.strerror(number)

@@ -9,10 +9,8 @@ from __future__ import annotations
 import errno
 from time import monotonic, sleep
 
-from mavwire._native import close_port
-
 from . import Any
-from .readiness import from_handler, wait_readable
+from .readiness import wait_readable
 from .stream import StreamLink
 from .waiting import address_family, bind, prepare_tcp, set_close_on_exec
 from .warn import warn
@@ -35,7 +33,7 @@ def listen_on(address: tuple[str, int]) -> Any:
         bind(listener, address)
         listener.listen(1)
     except BaseException:
-        close_port(listener)
+        listener.close()
         raise
     listener.setblocking(False)
     set_close_on_exec(listener.fileno())
@@ -65,7 +63,7 @@ class OneClientLink(StreamLink):
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
-            if error.errno in CLOSED or from_handler(error):
+            if error.errno in CLOSED:
                 raise
             self._say_why(error)
             self._is_refusing = True
@@ -74,11 +72,9 @@ class OneClientLink(StreamLink):
         try:
             port.setblocking(False)
             prepare_tcp(port)
-        except BaseException as error:
-            close_port(port)
-            if not isinstance(error, OSError) or from_handler(error):
-                raise
-            return None  # gone again
+        except OSError:  # gone again
+            port.close()
+            return None
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         self._forget_unsent()
@@ -121,9 +117,7 @@ class OneClientLink(StreamLink):
     def _somebody_waits(self) -> bool:
         try:
             return wait_readable(self.listen, 0)
-        except (OSError, ValueError) as error:
-            if from_handler(error):
-                raise
+        except (OSError, ValueError):
             return False  # another thread is closing the link
 
     def _patience(self) -> float:
@@ -135,6 +129,6 @@ class OneClientLink(StreamLink):
         return fd if fd >= 0 else None
 
     def _release(self) -> None:
-        close_port(self.listen)
+        self.listen.close()
         if not self._let_go(self.port):
             self.fd = None

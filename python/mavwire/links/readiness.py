@@ -1,4 +1,4 @@
-"""Waiting for a descriptor, and what is raised meanwhile."""
+"""Waiting for a descriptor."""
 
 from __future__ import annotations
 
@@ -35,9 +35,3 @@ def wait_writable(fd: int, timeout: float) -> bool:
         return bool(poller.poll(timeout * 1000.0))
     _, writable, failed = select.select([], [fd], [fd], timeout)
     return bool(writable or failed)
-
-
-def from_handler(error: BaseException) -> bool:
-    """Whether an error of one of Python's own functions is what a signal handler raised in it: those of the system have
-    a number. `io.UnsupportedOperation`, a ValueError too, is of the function itself."""
-    return isinstance(error, OSError) and error.errno is None and not isinstance(error, ValueError)

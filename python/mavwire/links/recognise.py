@@ -12,8 +12,6 @@ import stat
 
 from mavwire._native import LogKind, identify
 
-from .readiness import from_handler
-
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
 DATAFLASH_SUFFIXES = (".bin", ".px4log")
 STAMP_LEN = 8
@@ -27,9 +25,7 @@ def kind_of(path: str) -> LogKind:
         return LogKind.CUT
     try:
         return identify(path)
-    except OSError as error:
-        if from_handler(error):
-            raise
+    except OSError:
         return LogKind.CUT
 
 
@@ -37,9 +33,7 @@ def mode_of(path: str) -> int:
     """The mode of the file at `path`; 0 where there is none."""
     try:
         return os.stat(path).st_mode
-    except (OSError, ValueError) as error:
-        if from_handler(error):
-            raise
+    except (OSError, ValueError):
         return 0
 
 

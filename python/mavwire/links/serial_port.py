@@ -5,15 +5,15 @@ from __future__ import annotations
 import errno
 from time import monotonic
 
-from mavwire._native import Exclusive, close_port
+from mavwire._native import Exclusive
 
 from . import Any
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
-from .readiness import from_handler, wait_writable
+from .readiness import wait_writable
 from .recognise import mode_of
 from .reconnecting import RetryingLink
-from .stream import DescriptorPort, PortError, StreamWriter, ask_port
+from .stream import DescriptorPort, StreamWriter, receive
 from .waiting import set_close_on_exec
 
 # Opening at this rate first makes a change of rate take effect on adapters that ignore
@@ -38,14 +38,12 @@ def _not_a_rate(baud: Any, device: str) -> str:
     return f"the baud rate {baud!r} of the serial port {device} is not a number"
 
 
-def _is_of_handler(error: BaseException) -> bool:
-    """Whether a signal handler raised `error` in pyserial. pyserial makes a SerialException of an OSError, also of one
-    of a handler."""
-    import serial
+def _close(port: Any) -> None:
+    """Close a port, which may be gone already."""
+    from contextlib import suppress
 
-    raised = error.__context__ if isinstance(error, serial.SerialException) else error
-    is_of_serial = isinstance(raised, serial.SerialException)
-    return raised is not None and not is_of_serial and from_handler(raised)
+    with suppress(OSError):
+        port.close()
 
 
 def _is_plain(port: Any) -> bool:
@@ -108,17 +106,13 @@ class mavserial(RetryingLink):
             raise
 
     def _open_at(self, baud: int) -> Any:
-        """The port, opened. What a signal handler raises meanwhile comes as it is, and else what the system says."""
+        """The port, opened; SerialException otherwise."""
         import serial
 
         try:
             return serial.Serial(
                 self.device, baud, timeout=0, dsrdtr=False, rtscts=self.rtscts, xonxoff=False
             )
-        except serial.SerialException as error:
-            if _is_of_handler(error):
-                raise error.__context__ or error from None
-            raise
         except Exception as error:
             # It was unplugged while it was set up, or the rate is no number of the system's, which pyserial does not tell
             # in its own words.
@@ -131,9 +125,7 @@ class mavserial(RetryingLink):
         """The port's descriptor to wait on; None where there is none (Windows, FakeSerial)."""
         try:
             fd: int = port.fileno()
-        except (AttributeError, OSError, ValueError) as error:
-            if _is_of_handler(error):
-                raise
+        except (AttributeError, OSError, ValueError):
             return None
         set_close_on_exec(fd)
         return fd
@@ -154,7 +146,7 @@ class mavserial(RetryingLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        close_port(self.port)
+        _close(self.port)
         self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
@@ -170,7 +162,7 @@ class mavserial(RetryingLink):
             return b""
         try:
             data = self._read(port, READ_SIZE if n is None else n)
-        except PortError:
+        except OSError:  # SerialException is one
             if self.autoreconnect:
                 self._lost(port)
                 return b""
@@ -183,14 +175,11 @@ class mavserial(RetryingLink):
         if _is_plain(port):
             line = DescriptorPort(port)
             self._send_rest(line)
-            return ask_port(line, "recv", n) or b""
-        try:
-            if self.fd is None:
-                # Without a descriptor nothing can wait, and reading more than there is would.
-                n = min(n, port.in_waiting)
-            data: bytes = port.read(n)
-        except OSError as error:  # SerialException is one
-            raise PortError(error) from None
+            return receive(line, n) or b""
+        if self.fd is None:
+            # Without a descriptor nothing can wait, and reading more than there is would.
+            n = min(n, port.in_waiting)
+        data: bytes = port.read(n)
         return data
 
     def _lost(self, port: Any) -> None:
@@ -205,7 +194,7 @@ class mavserial(RetryingLink):
         if port is not self.port:
             return
         self.fd = None
-        close_port(port)
+        _close(port)
         self._forget_unsent()
         self._drop_partial()
 
@@ -226,13 +215,14 @@ class mavserial(RetryingLink):
         port = self.port
         try:
             return self._write(port, bytes(buf)) if _is_plain(port) else port.write(bytes(buf))
-        except PortError:
-            self._opening.run(self._forget_of, port)
-        except Exception:
-            if _is_plain(port):
-                raise  # a signal handler's
-            # Drivers raise errors of their own. The port is unusable after any of them.
-            self._writer.dropped_frames += 1
+        except Exception as error:
+            if not _is_plain(port):
+                # Drivers raise errors of their own. The port is unusable after any of them.
+                self._writer.dropped_frames += 1
+            elif isinstance(error, OSError):
+                self._opening.run(self._forget_of, port)
+            else:
+                raise
         if port is self.port and not self._closed:  # meanwhile
             self._say_dead()
             self._maybe_reset()
@@ -258,15 +248,11 @@ class mavserial(RetryingLink):
 
     def _send_all(self, line: DescriptorPort, port: Any) -> None:
         """Send what is queued as long as the port takes something: who is faster than the line is slowed down."""
-        sent, deadline = self._writer.bytes_sent, monotonic() + WRITE_TIMEOUT
         while self._writer.unsent and not self._is_stuck:
-            fd = port.fd  # None once it is closed, which sending finds out
-            has_room = fd is None or wait_writable(fd, WRITE_TIMEOUT)
+            sent = self._writer.bytes_sent
+            wait_writable(port.fileno(), WRITE_TIMEOUT)
             self._send_rest(line)
-            if self._writer.bytes_sent != sent:
-                sent, deadline = self._writer.bytes_sent, monotonic() + WRITE_TIMEOUT
-            else:
-                self._is_stuck = not has_room or monotonic() >= deadline
+            self._is_stuck = self._writer.bytes_sent == sent
 
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to and if the last time is long enough ago."""
@@ -291,12 +277,10 @@ class mavserial(RetryingLink):
         try:
             port = self._open_at(baud)
         except OSError as error:  # SerialException is one
-            if _is_of_handler(error):
-                raise
             self._note_failure(error)
             return False
         self._note_success()
-        close_port(self.port)  # it is gone, which is why it is replaced
+        _close(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
         self._drop_partial()
         self.portdead = False

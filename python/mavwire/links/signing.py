@@ -22,7 +22,8 @@ MAX_LINK_ID = 255
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
 
-# The signing states that have a key. There are no callbacks when one goes: in a signal handler their exceptions get lost.
+# The signing states that have a key.
+# Weak references without callbacks: an exception in a callback would be lost in a signal handler.
 _with_key: list[ref[Any]] = []
 
 

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from mavwire._native import DescriptorPort, PortError, StreamWriter, ask_port
+from mavwire._native import DescriptorPort, StreamWriter
 
 from . import Any
 from .chunked import ChunkedLink
 
-__all__ = ["DescriptorPort", "PortError", "StreamLink", "StreamWriter", "ask_port"]
+__all__ = ["DescriptorPort", "StreamLink", "StreamWriter", "receive"]
+
+
+def receive(port: Any, n: int) -> bytes | None:
+    """Up to `n` bytes of a non-blocking port; None while nothing waits, empty at its end."""
+    try:
+        data: bytes = port.recv(n)
+    except (BlockingIOError, InterruptedError):
+        return None
+    return data
 
 
 class StreamLink(ChunkedLink):
@@ -21,7 +30,7 @@ class StreamLink(ChunkedLink):
         return self._writer.dropped_frames
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
-        """Send or queue a frame; PortError when the connection `port` is gone."""
+        """Send or queue a frame; OSError when the connection `port` is gone."""
         self._writer.write(port, frame)
 
     def _send_rest(self, port: Any) -> None:

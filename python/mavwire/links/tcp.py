@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import time
 
-from mavwire._native import close_port
-
 from . import Any, Callable
 from .chunked import READ_SIZE
 from .names import connect_to
-from .readiness import from_handler
 from .reconnecting import ReconnectingLink
-from .stream import PortError, ask_port
+from .stream import receive
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 # How long one attempt may take.
@@ -59,7 +56,7 @@ class mavtcp(ReconnectingLink):
         try:
             prepare_tcp(port)
         except BaseException:
-            close_port(port)
+            port.close()
             raise
         return port
 
@@ -72,7 +69,7 @@ class mavtcp(ReconnectingLink):
                 self._use(self._connect())
                 return
             except OSError as error:
-                if attempts >= self.retries or from_handler(error):
+                if attempts >= self.retries:
                     raise
                 print(f"{error} sleeping")
                 time.sleep(self.reconnect_delay)
@@ -138,10 +135,10 @@ class mavtcp(ReconnectingLink):
         try:
             self._raise_read_error(port)
             self._send_rest(port)
-            data: bytes | None = ask_port(port, "recv", READ_SIZE if n is None else n)
-        except PortError as failure:  # no ConnectionError if the peer stopped answering
+            data = receive(port, READ_SIZE if n is None else n)
+        except OSError:  # no ConnectionError if the peer stopped answering
             if self._end(port, self.handle_disconnect) and not self.autoreconnect:
-                raise failure.args[0] from None
+                raise
             return b""
         if data is None:
             return b""
@@ -158,5 +155,5 @@ class mavtcp(ReconnectingLink):
             return
         try:
             self._send_frame(port, buf)
-        except PortError:
+        except OSError:
             self._end(port, self.handle_disconnect)

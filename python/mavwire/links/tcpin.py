@@ -7,7 +7,7 @@ from mavwire._native import Exclusive
 from . import Any
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
-from .stream import PortError, StreamWriter, ask_port
+from .stream import StreamWriter, receive
 from .waiting import split_host_port
 
 
@@ -60,8 +60,8 @@ class mavtcpin(OneClientLink):
         try:
             self._raise_read_error(port)
             self._send_rest(port)
-            data: bytes | None = ask_port(port, "recv", READ_SIZE if n is None else n)
-        except PortError:  # no ConnectionError if the client stopped answering
+            data = receive(port, READ_SIZE if n is None else n)
+        except OSError:  # no ConnectionError if the client stopped answering
             data = b""
         if data is None:
             return b""
@@ -89,5 +89,5 @@ class mavtcpin(OneClientLink):
             return
         try:
             self._send_frame(port, buf)
-        except PortError:
+        except OSError:
             self._let_go(port)

@@ -18,7 +18,6 @@ from io import FileIO
 from time import monotonic
 
 from . import Any, Callable
-from .readiness import from_handler
 from .signing_time import MAX_TIMESTAMP
 from .warn import warn
 
@@ -49,9 +48,7 @@ class TimestampStore:
         try:
             with _opened(self._path, "r") as file:
                 return max(self._slots(file.fileno()))
-        except FileNotFoundError as error:
-            if from_handler(error):
-                raise
+        except FileNotFoundError:
             return 0
 
     def save(self, timestamp: int) -> None:
@@ -117,16 +114,13 @@ def _made(path: str) -> FileIO:
     """The file at `path`, to read and to write, made if there is none."""
     try:
         return _opened(path, "r+")
-    except FileNotFoundError as error:
-        if from_handler(error):
-            raise
+    except FileNotFoundError:
+        pass
     try:
         # Where `path` is a link to a file that is not there yet, that one is made.
         return FileIO(os.path.realpath(path), "x+", opener=partial(os.open, mode=0o600))
-    except FileExistsError as error:  # another process has made it meanwhile
-        if from_handler(error):
-            raise
-    return _opened(path, "r+")
+    except FileExistsError:  # another process has made it meanwhile
+        return _opened(path, "r+")
 
 
 @contextmanager
@@ -204,8 +198,6 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
                 later = newest
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
-            if is_ours and getattr(error, "errno", None) is None:
-                raise  # a signal handler's
             if not failed:
                 warn("signing timestamps are not stored: %s", error)
             failed = True

@@ -10,12 +10,11 @@ import errno
 import time
 from time import monotonic
 
-from mavwire._native import MAVLink, Message, PortError, ask_port, close_port, peer_to_replace
+from mavwire._native import MAVLink, Message, peer_to_replace
 
 from . import Any
 from .chunked import ChunkedLink
 from .names import look_up
-from .readiness import from_handler
 from .waiting import (
     address_family,
     ask_for_room,
@@ -55,7 +54,7 @@ class DatagramLink(ChunkedLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        close_port(self.port)
+        self.port.close()
 
     def _receive(self) -> tuple[bytes, Any] | None:
         """The next datagram and its sender; None if none is waiting."""
@@ -100,7 +99,7 @@ class mavudp(DatagramLink):
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
             except BaseException:
-                close_port(self.port)
+                self.port.close()
                 raise
         else:
             self.destination_addr = (host, number)
@@ -250,18 +249,21 @@ class mavudp(DatagramLink):
         """Log once why nothing is sent: sending raises nothing."""
         if not self._unknown_said:
             self._unknown_said = True
-            reason = "the address of %s:%s cannot be found; it is looked up again now and then"
+            reason = (
+                "no IPv4 address of %s:%s is found; it is looked up again now and then. "
+                "An IPv6 address is written [ADDRESS]:PORT"
+            )
             warn(reason, *self.destination_addr)
 
     def _send(self, buf: bytes, address: Any) -> bool:
         """Whether the system took the datagram, or may take the next one."""
         try:
-            sent = ask_port(self.port, "sendto", buf, address)
-        except PortError:
+            self.port.sendto(buf, address)
+        except (BlockingIOError, InterruptedError):  # there is no room for it
+            self.write_errors += 1
+        except OSError:
             self.write_errors += 1
             return False
-        if sent is None:  # there is no room for it
-            self.write_errors += 1
         return True
 
     # -- where to send to
@@ -280,42 +282,17 @@ class mavudp(DatagramLink):
         self._next_lookup = monotonic() + LOOKUP_PAUSE
         self._lookup_due = address is None
         if address is not None:
-            self._speak_to(address)
             self.resolved_destination_addr = address
 
-    def _speak_to(self, address: Any) -> None:
-        """Have a socket of the family of `address`, which a name tells when it is looked up."""
-        import socket
-
-        family = socket.AF_INET if len(address) == 2 else socket.AF_INET6
-        old = self.port
-        if family == old.family or self._closed:
-            return
-        try:
-            port = self._socket(family)
-        except OSError as error:
-            if from_handler(error):
-                raise
-            return  # sending fails too, and is counted
-        self.port, self.fd = port, port.fileno()
-        close_port(old)
-        if self._closed:  # meanwhile
-            self._release()
-
     def _resolve(self) -> Any:
-        """The address to send to, of the family that is spoken if the host has one; None while the
-        host is not known."""
+        """The address to send to, of the family of the socket; None while the host is not known."""
         import socket
 
         host, number = self.destination_addr
         try:
-            found = look_up(host, number, 0, socket.SOCK_DGRAM)
-        except (OSError, UnicodeError, OverflowError) as error:
-            if from_handler(error):
-                raise
+            return look_up(host, number, self.port.family, socket.SOCK_DGRAM)[0][4]
+        except (OSError, UnicodeError, OverflowError):
             return None
-        own = self.port.family
-        return min(found, key=lambda entry: entry[0] != own)[4]
 
 
 def _is_targeted(msg: Message) -> bool:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from mavwire._native import close_port
-
 from . import Any
-from .names import connect
 from .tcp import CONNECT_TIMEOUT, mavtcp
 
 
@@ -35,8 +32,9 @@ class mavuds(mavtcp):
 
         port = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            connect(port, self.destination_addr, CONNECT_TIMEOUT)
-        except BaseException:
-            close_port(port)
+            port.settimeout(CONNECT_TIMEOUT)
+            port.connect(self.destination_addr)
+        except OSError:
+            port.close()
             raise
         return port

@@ -6,11 +6,8 @@ import errno
 import os
 import sys
 
-from mavwire._native import PortError, ask_port
-
 from . import Any
 from .names import is_numeric, look_up
-from .readiness import from_handler
 from .recognise import is_serial_name
 
 MAX_PORT = 65535
@@ -22,8 +19,8 @@ def set_close_on_exec(fd: int) -> None:
         return
     from contextlib import suppress
 
-    with suppress(PortError):
-        ask_port(os, "set_inheritable", fd, False)
+    with suppress(OSError):
+        os.set_inheritable(fd, False)
 
 
 # A peer that vanished (power, radio, cable) ends no connection. It is asked after 10 s of silence and
@@ -42,8 +39,8 @@ def prepare_tcp(port: Any) -> None:
     port.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in _KEEPALIVE:
         if hasattr(socket, name):
-            with suppress(PortError):  # named by the headers, not known to the system
-                ask_port(port, "setsockopt", socket.IPPROTO_TCP, getattr(socket, name), value)
+            with suppress(OSError):  # named by the headers, not known to the system
+                port.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
 # What a receive buffer should hold: a tenth of a second of 100,000 datagrams a second, which count
@@ -57,11 +54,11 @@ def ask_for_room(port: Any) -> None:
     from contextlib import suppress
 
     if sys.platform.startswith("linux"):
-        with suppress(PortError):  # only the superuser may have more than the limit
-            ask_port(port, "setsockopt", socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER)
+        with suppress(OSError):  # only the superuser may have more than the limit
+            port.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER)
             return
-    with suppress(PortError):  # some systems refuse instead of giving less
-        ask_port(port, "setsockopt", socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+    with suppress(OSError):  # some systems refuse instead of giving less
+        port.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
 
 
 # Linux: a receive buffer beyond the system's limit.
@@ -79,9 +76,7 @@ def datagrams_dropped(port: Any) -> int:
         return 0
     try:
         memory = port.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO_LEN)
-    except OSError as error:
-        if from_handler(error):
-            raise
+    except OSError:
         return 0  # closed, or a system that does not count
     return int.from_bytes(memory[-4:], sys.byteorder)
 
@@ -113,8 +108,8 @@ def interface_index(scope: str) -> int:
     if scope.isdecimal() and len(scope) < len(str(1 << 32)):
         return int(scope)
     try:
-        index: int = ask_port(socket, "if_nametoindex", scope) if scope else 0
-    except PortError:
+        index = socket.if_nametoindex(scope) if scope else 0
+    except OSError:
         raise OSError(errno.ENODEV, f"there is no network interface {scope!r}") from None
     return index
 
@@ -135,8 +130,6 @@ def bind(port: Any, address: tuple[str, int]) -> None:
             address = look_up(host, number, port.family, port.type)[0][4]
         port.bind(socket_address(address))
     except OSError as error:
-        if from_handler(error):
-            raise
         raise type(error)(error.errno, f"{error.strerror}: {host}:{number}") from None
 
 

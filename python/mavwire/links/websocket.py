@@ -8,15 +8,14 @@ from __future__ import annotations
 import errno
 import os
 
-from mavwire._native import Exclusive, TlsPort, close_port
+from mavwire._native import Exclusive, TlsPort
 
 from . import Any
 from .chunked import READ_SIZE
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
-from .readiness import from_handler
 from .reconnecting import ReconnectingLink
-from .stream import PortError, StreamLink, StreamWriter, ask_port
+from .stream import StreamLink, StreamWriter, receive
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 # How long a server's answer to the opening handshake may take.
@@ -63,7 +62,7 @@ class _WebSocketLink(StreamLink):
             return
         try:
             self._send_frame(port, ws.send(event))
-        except PortError:
+        except OSError:
             self._let_go(port)
 
     def recv(self, n: int | None = None) -> bytes:
@@ -80,8 +79,8 @@ class _WebSocketLink(StreamLink):
             return b""
         try:
             self._send_rest(port)
-            data: bytes | None = ask_port(port, "recv", READ_SIZE)
-        except PortError:
+            data = receive(port, READ_SIZE)
+        except OSError:
             self._let_go(port)
             return b""
         return b"" if data is None else self._handle(port, ws, data)
@@ -249,8 +248,6 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         try:
             port = self._reach()
         except OSError as error:
-            if from_handler(error):
-                raise
             self._note_failure(error)
             return False
         self._use(self._opened(port))
@@ -275,7 +272,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 port = context.wrap_socket(port, server_hostname=self.destination_addr[0])
             ws = self._shake_hands(port)
         except BaseException:
-            close_port(port)
+            port.close()
             raise
         return TlsPort(port) if self.secure else port, ws
 
@@ -302,8 +299,6 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 data = port.recv(READ_SIZE)
                 ws.receive_data(data or None)
         except TimeoutError:
-            if monotonic() < deadline:
-                raise  # a signal handler's
             raise TimeoutError(f"no WebSocket handshake from {self.address}") from None
         except (RemoteProtocolError, UnicodeDecodeError) as error:
             reason = f"{self.address} does not speak WebSocket: {error}"

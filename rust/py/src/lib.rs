@@ -85,7 +85,7 @@ mod _native {
     #[pymodule_export]
     use crate::port::peers::peer_to_replace;
     #[pymodule_export]
-    use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};
+    use crate::port::ports::DescriptorPort;
     #[pymodule_export]
     use crate::port::recording::recordable;
     #[pymodule_export]

@@ -1,7 +1,5 @@
 //! Ports of the operating system as links use them.
 
-pub(crate) mod answer;
-pub(crate) mod close_port;
 pub(crate) mod peers;
 pub(crate) mod ports;
 pub(crate) mod recording;

@@ -85,28 +85,6 @@ def test_what_reading_has_put_into_the_queue_is_sent(loop):
     run(main(), LOOPS[loop])
 
 
-def test_a_host_that_has_moved_to_ipv6_is_heard_before_anything_else_is_sent():
-    try:
-        host = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
-        host.bind(("::1", 0))
-    except OSError:
-        pytest.skip("no IPv6")
-
-    async def main():
-        async with aio.connect("udpout:127.0.0.1:9") as link:
-            sync = link.sync
-            sync._resolve = host.getsockname
-            sync._lookup_due, sync._next_lookup = True, 0.0
-            link.mav.heartbeat_send(6, 8, 0, 0, 0)
-            await eventually(lambda: sync.port.family == socket.AF_INET6)
-            sync.port.bind(("::1", 0))
-            host.sendto(heartbeat(3), sync.port.getsockname())
-            assert (await link.recv_match(timeout=WAIT)).get_seq() == 3
-
-    with host:
-        run(main())
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_frames_of_mavutil_s_link_do_not_cut_those_that_wait(tmp_path: Path) -> None:
     """R63. The child begins to read when it is told to."""

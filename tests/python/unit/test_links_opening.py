@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import errno
 import math
 import os
@@ -19,7 +18,6 @@ from typing import Any, ClassVar
 import pytest
 from mavwire import links, mavutil
 from mavwire.aio import transports
-from mavwire.links import names
 from mavwire.links.chunked import ChunkedLink
 from mavwire.links.connection import PREFIXES
 from mavwire.links.mavfile import mavfile
@@ -156,25 +154,6 @@ def test_retries_may_be_any_number(
     with pytest.raises((ConnectionRefusedError, KeyboardInterrupt)):
         mavutil.mavlink_connection("tcp:127.0.0.1:9", retries=retries, reconnect_delay=0)
     assert len(tried) == attempts
-
-
-def test_windows_says_errors_of_sockets_in_its_own_words(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The C library there does not know them."""
-
-    class Refusing:
-        def setblocking(self, flag: bool) -> None:
-            pass
-
-        def connect_ex(self, address: object) -> int:
-            return 10061
-
-    words = "No connection could be made because the target machine actively refused it."
-    told = {10061: words}
-    monkeypatch.setattr(ctypes, "FormatError", told.__getitem__, raising=False)
-    monkeypatch.setattr(sys, "platform", "win32")
-    with pytest.raises(OSError, match=words) as refused:
-        names.connect(Refusing(), ("127.0.0.1", 9), 1.0)
-    assert refused.value.errno == 10061
 
 
 def test_numbers_of_sockets_are_no_descriptors_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:

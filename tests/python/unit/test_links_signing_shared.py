@@ -313,23 +313,6 @@ os._exit(0)
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_signal_handler_that_raises_is_no_failing_store(tmp_path, monkeypatch):
-    link = Capture()
-    link.setup_signing(KEY, timestamp_store=tmp_path / "timestamps")
-    mark = TimestampStore(tmp_path / "timestamps").load()
-
-    def interrupted(fd):
-        raise TimeoutError("by a signal handler")
-
-    link.mav.signing.timestamp = mark + 1
-    with monkeypatch.context() as patched:
-        patched.setattr(os, "fsync", interrupted)
-        with pytest.raises(TimeoutError):
-            sent(link)
-    sent(link)
-    assert TimestampStore(tmp_path / "timestamps").load() > mark
-
-
 def test_a_store_whose_unlocking_fails_is_not_left_locked(tmp_path, monkeypatch):
     fcntl = pytest.importorskip("fcntl")
     lock = fcntl.flock

@@ -3,7 +3,7 @@
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 
-use crate::port::ports::{PortError, os_error};
+use crate::port::ports::os_error;
 use crate::sync::lock::Lock;
 
 /// The port that was read, and the number of the error.
@@ -32,9 +32,7 @@ impl Failure {
     pub(crate) fn raise(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = port.py();
         match self.take(py) {
-            Some((failed, number)) if failed.is(port) => {
-                Err(PortError::new_err((os_error(py, number),)))
-            }
+            Some((failed, number)) if failed.is(port) => Err(os_error(py, number)),
             _ => Ok(()),
         }
     }

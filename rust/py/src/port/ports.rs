@@ -1,5 +1,4 @@
-//! Ports as links use them. No signal handler runs between a call of a port and its answer, so that the caller knows
-//! whether an error is the port's or a handler's.
+//! Ports as links use them.
 
 use std::io;
 use std::sync::OnceLock;
@@ -8,17 +7,13 @@ use std::time::Duration;
 use mavwire_io::bytes::{read_some, write_some};
 use mavwire_io::readiness;
 use mavwire_io::sigpipe::HeldBack;
-use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError, PyValueError,
+    PyBlockingIOError, PyBrokenPipeError, PyInterruptedError, PyOSError, PyValueError,
 };
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString, PyTuple};
+use pyo3::types::PyBytes;
 
-use crate::port::answer::own_errors;
-use crate::port::close_port::close;
-use crate::port::tls_port::TlsPort;
 use crate::python::calling::{Calling, Known};
 
 /// The same number on all systems.
@@ -29,39 +24,16 @@ static SOCKET: Known = Known::new("socket", "socket");
 /// `socket.MSG_NOSIGNAL`, where the system has it.
 static NO_SIGNAL: OnceLock<Option<Py<PyAny>>> = OnceLock::new();
 
-create_exception!(
-    mavwire._native,
-    PortError,
-    PyException,
-    "`PortError(error)`: what a port raised itself, and no signal handler did meanwhile."
-);
-
-/// `port.name(*args)`; `None` where it would have to wait. Its own errors come as `PortError`.
-#[pyfunction]
-#[pyo3(signature = (port, name, *args))]
-pub(crate) fn ask_port<'py>(
-    port: &Bound<'py, PyAny>,
-    name: &Bound<'py, PyString>,
-    args: Bound<'py, PyTuple>,
-) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let answer = match port.cast::<TlsPort>() {
-        Ok(tls) => tls.get().act(name, args)?,
-        Err(_) => own_errors(port.py(), port.invoke_method1(name, args))?,
-    };
-    judged(port.py(), answer)
-}
-
 /// Closes a port. Where that is an error the system has let go of the descriptor all the same.
-#[pyfunction]
 pub(crate) fn close_port(port: &Bound<'_, PyAny>) -> PyResult<()> {
-    match port.cast::<TlsPort>() {
-        Ok(tls) => tls.get().close_port(port.py()),
-        Err(_) => close(port),
+    match port.invoke_method0(intern!(port.py(), "close")) {
+        Err(error) if !error.is_instance_of::<PyOSError>(port.py()) => Err(error),
+        _ => Ok(()),
     }
 }
 
-/// `port.send(data)` as `ask_port` does it, without arguments in a tuple, and without the signal that ends programs which
-/// write to who has hung up.
+/// `port.send(data)`, or `None` where it would have to wait, without the signal that ends programs which write to a closed
+/// connection.
 pub(crate) fn send<'py>(
     port: &Bound<'py, PyAny>,
     data: &Bound<'py, PyAny>,
@@ -70,15 +42,10 @@ pub(crate) fn send<'py>(
     if port.get_type().is(SOCKET.get(py)?)
         && let Some(no_signal) = no_signal(py)?
     {
-        let answer = port.invoke_method1(name, (data, no_signal));
-        return judged(py, own_errors(py, answer)?);
+        return unless_full(py, port.invoke_method1(name, (data, no_signal)));
     }
     let _held_back = HeldBack::default();
-    let answer = match port.cast::<TlsPort>() {
-        Ok(tls) => tls.get().act(name, (data,))?,
-        Err(_) => own_errors(py, port.invoke_method_with(name, data))?,
-    };
-    judged(py, answer)
+    unless_full(py, port.invoke_method_with(name, data))
 }
 
 fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
@@ -89,19 +56,18 @@ fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
     Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
 }
 
-fn judged<'py>(
+fn unless_full<'py>(
     py: Python<'py>,
-    answer: PyResult<Bound<'py, PyAny>>,
+    sent: PyResult<Bound<'py, PyAny>>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
-    match answer {
-        Ok(answer) => Ok(Some(answer)),
+    match sent {
         Err(error)
             if error.is_instance_of::<PyBlockingIOError>(py)
                 || error.is_instance_of::<PyInterruptedError>(py) =>
         {
             Ok(None)
         }
-        Err(error) => Err(PortError::new_err((error,))),
+        sent => sent.map(Some),
     }
 }
 

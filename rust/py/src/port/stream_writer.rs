@@ -182,7 +182,7 @@ impl StreamWriter {
         self.bytes_sent.load(Relaxed)
     }
 
-    /// Sends `frame`, or several side by side, after what is queued; `PortError` when the connection is gone, and then
+    /// Sends `frame`, or several side by side, after what is queued; `OSError` when the connection is gone, and then
     /// `clear` counts the frames.
     fn write(&self, port: &Bound<'_, PyAny>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
         match frame.cast::<PyBytes>() {

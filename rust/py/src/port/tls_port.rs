@@ -3,13 +3,12 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 
-use pyo3::exceptions::{PyBlockingIOError, PyConnectionAbortedError, PyOSError};
+use pyo3::exceptions::{PyBlockingIOError, PyConnectionAbortedError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyString, PyTuple};
+use pyo3::types::PyString;
 
-use crate::port::answer::Answer;
-use crate::port::close_port::close;
+use crate::port::ports::close_port;
 use crate::python::calling::Calling;
 use crate::sync::exclusive::Exclusive;
 
@@ -27,35 +26,29 @@ pub(crate) struct TlsPort {
 }
 
 impl TlsPort {
-    /// `port.name(*args)`
-    pub(crate) fn act<'py>(
+    /// `port.name(argument)`
+    fn act<'py>(
         &self,
         name: &Bound<'py, PyString>,
-        args: impl IntoPyObject<'py, Target = PyTuple>,
-    ) -> Answer<'py> {
-        let answer = self.act_alone(name, args);
+        argument: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let answer = self.act_alone(name, argument);
         if self.is_closed.load(SeqCst) {
             self.close_unless_used(name.py())?;
         }
         answer
     }
 
-    /// Does not wait for who uses it: that one may wait for this thread.
-    pub(crate) fn close_port(&self, py: Python<'_>) -> PyResult<()> {
-        self.is_closed.store(true, SeqCst);
-        self.close_unless_used(py)
-    }
-
     fn close_unless_used(&self, py: Python<'_>) -> PyResult<()> {
         let Some(_turn) = self.using.take() else { return Ok(()) };
-        close(self.port.bind(py))
+        close_port(self.port.bind(py))
     }
 
     fn act_alone<'py>(
         &self,
         name: &Bound<'py, PyString>,
-        args: impl IntoPyObject<'py, Target = PyTuple>,
-    ) -> Answer<'py> {
+        argument: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let py = name.py();
         if self.using.free_after_fork() {
             let _ = self.torn.set("the TLS connection is the parent process's");
@@ -64,31 +57,24 @@ impl TlsPort {
             let _ = self.torn.set("the TLS connection is closed");
         }
         if let Some(&reason) = self.torn.get() {
-            return Ok(Err(PyConnectionAbortedError::new_err(reason)));
+            return Err(PyConnectionAbortedError::new_err(reason));
         }
         let Some(_turn) = self.using.take() else {
-            return Ok(Err(PyBlockingIOError::new_err("another thread uses the TLS connection")));
+            return Err(PyBlockingIOError::new_err("another thread uses the TLS connection"));
         };
-        match self.port.bind(py).invoke_method1(name, args) {
+        match self.port.bind(py).invoke_method_with(name, argument) {
             Err(error) if waits_for_peer(py, &error)? => {
                 let waits = PyBlockingIOError::new_err("TLS waits for the peer");
                 waits.set_cause(py, Some(error));
-                Ok(Err(waits))
+                Err(waits)
             }
-            Err(error) if is_of_system(py, &error) => Ok(Err(error)),
             Err(error) => {
-                let _ = self.torn.set("the TLS connection was interrupted by a signal");
+                let _ = self.torn.set("the TLS connection was interrupted by an error");
                 Err(error)
             }
-            answer => Ok(answer),
+            answer => answer,
         }
     }
-}
-
-/// Signal handlers run inside of the methods of TLS sockets, but hardly any names a number of the system.
-fn is_of_system(py: Python<'_>, error: &PyErr) -> bool {
-    let number = error.value(py).getattr_opt(intern!(py, "errno"));
-    error.is_instance_of::<PyOSError>(py) && matches!(number, Ok(Some(number)) if !number.is_none())
 }
 
 fn waits_for_peer(py: Python<'_>, error: &PyErr) -> PyResult<bool> {
@@ -112,20 +98,22 @@ impl TlsPort {
 
     /// Up to `n` bytes.
     fn recv<'py>(&self, n: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.act(intern!(n.py(), "recv"), (n,))?
+        self.act(intern!(n.py(), "recv"), n)
     }
 
     /// How many of the bytes it took.
     fn send<'py>(&self, data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.act(intern!(data.py(), "send"), (data,))?
+        self.act(intern!(data.py(), "send"), data)
     }
 
     fn fileno<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.port.bind(py).invoke_method0(intern!(py, "fileno"))
     }
 
+    /// Does not wait for a thread that uses it: that one may wait for this thread.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        self.close_port(py)
+        self.is_closed.store(true, SeqCst);
+        self.close_unless_used(py)
     }
 
     fn setblocking<'py>(&self, flag: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
