@@ -64,7 +64,7 @@ def mat_file(args: Namespace) -> Iterator[Tables]:
             savemat(
                 content, tables.structures(), do_compression=args.compress, long_field_names=True
             )
-            file.write(content.getbuffer())
+            file.write(content.getvalue())
     except MatWriteError as error:  # more than 4 GB
         raise CommandError(f"--format mat: {error}; use --types") from error
 
