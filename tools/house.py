@@ -185,16 +185,16 @@ def measures() -> dict[str, int]:
 
 
 LIMITS = {
-    "lines of rust/schema": 2_750,
-    "lines of rust/core": 8_790,
+    "lines of rust/schema": 2_780,
+    "lines of rust/core": 8_830,
     "lines of rust/columns": 7_140,
-    "lines of rust/io": 6_830,
-    "lines of rust/py": 13_310,
-    "lines of Rust without tests": 38_820,
-    "lines of Python without stubs": 46_270,
+    "lines of rust/io": 6_820,
+    "lines of rust/py": 13_370,
+    "lines of Rust without tests": 38_910,
+    "lines of Python without stubs": 45_650,
     "files over 400 lines": 6,
     "functions over 40 lines": 26,
-    "comments against the style": 25,
+    "comments against the style": 0,
     "modules of the extension in cycles": 0,
     "Python modules in cycles": 0,
 }

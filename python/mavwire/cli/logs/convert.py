@@ -95,8 +95,7 @@ def main(args: argparse.Namespace) -> int:
             rows = _convert(args, options, bar)
     finally:
         bar.finish()
-    undescribed = _undescribed(rows, options["types"] or [])
-    for problem in undescribed:
+    for problem in (undescribed := _undescribed(rows, options["types"] or [])):
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)
     for row in rows:
@@ -114,8 +113,8 @@ def main(args: argparse.Namespace) -> int:
         if not args.quiet and not nothing:
             done = "converted before" if row.skipped else "converted"
             bad = f", {row.bad_bytes:,} bytes were not part of any message" if row.bad_bytes else ""
-            told = f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{bad}"
-            print(printable(told))
+            count = f"{row.rows:,} rows in {len(row.files)} files"
+            print(printable(f"{row.path}: {done}, {count}{bad}"))
     return 1 if failed else 0
 
 
