@@ -110,7 +110,7 @@ def set_dialect(dialect: Any) -> None:
     """
     global mavlink, current_dialect, _given
     if isinstance(dialect, list | tuple) and dialect:
-        merged: Any = import_module(DIALECTS).merged  # type: ignore[attr-defined]
+        merged: Any = import_module(DIALECTS).merged
         mavlink = merged([_one_of_several(one) for one in dialect])
         current_dialect, _given = mavlink.DIALECT, dialect
         return

@@ -153,7 +153,7 @@ def with_empty(
     """Tables, and those without rows of the messages that are wanted and not there."""
     for name in selection.names or ():
         msgid = getattr(module, f"{ID_PREFIX}{name}", None)  # other layouts have no such constant
-        if msgid in (selection.types or ()) and name not in tables:
+        if isinstance(msgid, int) and msgid in (selection.types or ()) and name not in tables:
             tables[name] = no_rows(native, msgid, selection)
     return tables
 
