@@ -38,7 +38,6 @@ def warn_if_foreign(
 def _without_message(path: str, is_indexed: bool) -> str:
     """Why mavutil finds no message in a file; empty where it finds one."""
     from mavwire.links import state
-    from mavwire.logs import open_log
 
     try:
         kind = identify(path)
@@ -46,6 +45,8 @@ def _without_message(path: str, is_indexed: bool) -> str:
             return ""
         said, _ = _lacking(path, state.mavlink)
         if not said and kind.is_telemetry and not _has_message(open_link(path)):
+            from mavwire.logs import open_log  # which only such files need
+
             with open_log(path, dialect=state.mavlink) as log:
                 unknown = log.info().unknown
             return _undefined(unknown) if unknown else DAMAGED
