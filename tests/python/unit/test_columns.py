@@ -247,12 +247,12 @@ def test_enum_names(flight, tmp_path):
 
 def test_enum_names_in_lists(tmp_path):
     message = mavlink.MAVLink_trajectory_representation_waypoints_message
-    lists = [[0.0] * 5] * 11 + [[16, 22, 0, 250, 16]]
+    lists = [[0.0] * 5] * 11 + [[16, 22, 1, 250, 16]]
     path = tmp_path / "one.tlog"
     frames = [pack(message(0, 5, *lists), seq) for seq in range(2)]
     path.write_bytes(b"".join(record(frame, T0) for frame in frames))
     table = mavwire.read(path, enums="names")["TRAJECTORY_REPRESENTATION_WAYPOINTS"]
-    named = ["MAV_CMD_NAV_WAYPOINT", "MAV_CMD_NAV_TAKEOFF", "0", "250", "MAV_CMD_NAV_WAYPOINT"]
+    named = ["MAV_CMD_NAV_WAYPOINT", "MAV_CMD_NAV_TAKEOFF", "1", "250", "MAV_CMD_NAV_WAYPOINT"]
     assert table["command"].shape == (2, 5)
     assert table["command"].tolist() == [named] * 2 == table.to_arrow()["command"].to_pylist()
     assert list(table.to_pandas()["command"][1]) == list(np.asarray(table)["command"][1]) == named
