@@ -446,9 +446,9 @@ def test_a_module_as_dialect(tmp_path):
     assert mavutil.mavlink.DIALECT == "common"
 
 
-@pytest.mark.parametrize("wrong", [3, b"common", ["common"], math])
+@pytest.mark.parametrize("wrong", [3, b"common", [3], [], math])
 def test_what_is_no_dialect(wrong):
-    with pytest.raises(TypeError, match="a name, a path to XML or a dialect module, not "):
+    with pytest.raises(TypeError, match="a name, a path to XML, a dialect module or a list of these, not "):
         mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect=wrong)
 
 
