@@ -10,7 +10,7 @@ macro_rules! field_types {
         #[repr(u8)]
         pub enum FieldType {
             $(
-                #[doc = $name]
+                #[doc = concat!("`", $name, "`")]
                 #[serde(rename = $name)]
                 $(#[$mark])?
                 $variant = $number,

@@ -28,7 +28,7 @@ fn e05_e06_r9_zeros_are_trimmed_in_version_2_only() {
     let [v2, v1] = [V2, V1].map(|version| encoded(header(version, 21, 0), &[0, 0], 159));
     assert_eq!(v2, unhex("fd010000000101150000002ec0"));
     assert_eq!(v1, unhex("fe0200010115000004b9"));
-    assert_eq!(trim_zeros(&[]), []);
+    assert_eq!(trim_zeros(&[]), [0_u8; 0]);
     assert_eq!(trim_zeros(&[0, 0, 0]), [0]);
     assert_eq!(trim_zeros(&[0, 5, 0, 0]), [0, 5]);
     assert_eq!(trim_zeros(&[1]), [1]);

@@ -128,7 +128,7 @@ fn r32_any_flipped_bit_is_a_mismatch() {
 fn r49_digests_are_compared_in_constant_time_and_as_a_whole() {
     let digest = [0x9C, 0x56, 0x03, 0x06, 0x05, 0x04];
     // `Choice` is what constant-time comparing gives: it cannot have come from one that ends early.
-    let same: fn(Digest, Digest) -> Choice = same_digest;
+    let same: fn(Digest, Digest) -> subtle::Choice = rules::same_digest;
     assert!(bool::from(same(digest, digest)));
     for byte in 0..digest.len() {
         for bit in 0..8 {
