@@ -64,6 +64,10 @@ class Selection:
     read.
     """
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What pickle keeps, without the dialect: a module cannot be pickled, and workers warn of nothing."""
+        return {**vars(self), "dialect": None}
+
     @classmethod
     def of(
         cls,
