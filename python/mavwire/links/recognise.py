@@ -60,6 +60,8 @@ def log_kind(device: str, readonly: bool) -> LogKind | None:
     Files that are to be written, or read as raw streams, are not recognised by content.
     """
     kind = kind_of(device)
+    if kind is LogKind.OTHER_TEXT:
+        return LogKind.DATAFLASH_TEXT  # whose reader says what to do
     if kind is LogKind.TLOG or (readonly and kind in TELEMETRY | DATAFLASH):
         return LogKind.DATAFLASH if kind is LogKind.HEADERLESS else kind
     lower = device.lower()
