@@ -33,7 +33,6 @@ from mavwire.links.link_ids import section
 from mavwire.links.signing import prepared
 from mavwire.links.timestamp_store import TimestampStore
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
-from unit.faults import python
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -466,42 +465,6 @@ def test_what_a_handler_raises_while_a_name_is_looked_up_to_listen_stays_what_it
     with pytest.raises(Stop) as told:
         mavutil.mavlink_connection(device)
     assert told.value is raised
-
-
-def test_sigpipe_is_not_held_back_after_interrupts(interrupted: Any) -> None:
-    """By programs that let it end them."""
-    link, peer = tcp_link()
-    reader = Reader(peer.fileno())
-    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    interrupted(lambda: link.mav.heartbeat_send(6, 8, 0, 0, 0))
-    held_back = signal.pthread_sigmask(signal.SIG_BLOCK, [])
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGPIPE])
-    signal.signal(signal.SIGPIPE, before)
-    link.close()
-    reader.end()
-    peer.close()
-    assert signal.SIGPIPE not in held_back
-
-
-def test_a_system_that_cannot_leave_out_sigpipe_is_asked_once() -> None:
-    program = """
-import socket
-asked = []
-def missing(name):
-    asked.append(name)
-    raise AttributeError(name)
-vars(socket).pop("MSG_NOSIGNAL", None)
-socket.__getattr__ = missing
-from mavwire._native import StreamWriter
-one, other = socket.socketpair()
-writer = StreamWriter()
-for _ in range(3):
-    writer.write(one, b"frame")
-assert other.recv(100) == b"frame" * 3
-print(asked.count("MSG_NOSIGNAL"))
-"""
-    done = python(program)
-    assert (done.stdout.strip(), done.stderr) == ("1", "")
 
 
 @pytest.mark.parametrize("is_gone", [False, True])

@@ -2,12 +2,10 @@
 //! whether an error is the port's or a handler's.
 
 use std::io;
-use std::sync::OnceLock;
 use std::time::Duration;
 
-use mavwire_io::bytes::{read_some, write_some};
+use mavwire_io::bytes::{NO_SIGNAL, read_some, write_some};
 use mavwire_io::readiness;
-use mavwire_io::sigpipe::HeldBack;
 use pyo3::create_exception;
 use pyo3::exceptions::{
     PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError, PyValueError,
@@ -26,8 +24,6 @@ const EPIPE: i32 = 32;
 
 static STRERROR: Known = Known::new("os", "strerror");
 static SOCKET: Known = Known::new("socket", "socket");
-/// `socket.MSG_NOSIGNAL`, where the system has it.
-static NO_SIGNAL: OnceLock<Option<Py<PyAny>>> = OnceLock::new();
 
 create_exception!(
     mavwire._native,
@@ -60,33 +56,20 @@ pub(crate) fn close_port(port: &Bound<'_, PyAny>) -> PyResult<()> {
     }
 }
 
-/// `port.send(data)` as `ask_port` does it, without arguments in a tuple, and without the signal that ends programs which
-/// write to who has hung up.
+/// `port.send(data)` as `ask_port` does it, without arguments in a tuple. A socket gives no SIGPIPE.
 pub(crate) fn send<'py>(
     port: &Bound<'py, PyAny>,
     data: &Bound<'py, PyAny>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     let (py, name) = (port.py(), intern!(port.py(), "send"));
-    if port.get_type().is(SOCKET.get(py)?)
-        && let Some(no_signal) = no_signal(py)?
-    {
-        let answer = port.invoke_method1(name, (data, no_signal));
-        return judged(py, own_errors(py, answer)?);
-    }
-    let _held_back = HeldBack::default();
     let answer = match port.cast::<TlsPort>() {
         Ok(tls) => tls.get().act(name, (data,))?,
+        Err(_) if port.get_type().is(SOCKET.get(py)?) => {
+            own_errors(py, port.invoke_method1(name, (data, NO_SIGNAL)))?
+        }
         Err(_) => own_errors(py, port.invoke_method_with(name, data))?,
     };
     judged(py, answer)
-}
-
-fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
-    if let Some(known) = NO_SIGNAL.get() {
-        return Ok(known.as_ref());
-    }
-    let found = py.import(intern!(py, "socket"))?.getattr_opt(intern!(py, "MSG_NOSIGNAL"))?;
-    Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
 }
 
 fn judged<'py>(
