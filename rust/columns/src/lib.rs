@@ -19,7 +19,6 @@ pub mod enums;
 pub mod error;
 pub mod fit;
 pub mod gather;
-mod gzip;
 pub mod input;
 pub mod instances;
 pub mod layout;
