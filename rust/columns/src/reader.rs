@@ -86,9 +86,6 @@ pub trait Decode: Send {
     /// How many of them belong to no record.
     fn bad_bytes(&self) -> u64;
 
-    /// Whether a block is taken in by portions, as its rows are many times as large.
-    fn is_within_block(&self) -> bool;
-
     /// Whether records have times.
     fn has_times(&self) -> bool;
 
@@ -195,10 +192,6 @@ impl<D: TakeIn> Decode for Reader<D> {
 
     fn unknown(&self) -> UnknownCounts {
         self.decoder.unknown()
-    }
-
-    fn is_within_block(&self) -> bool {
-        self.rest.is_some()
     }
 
     fn has_times(&self) -> bool {

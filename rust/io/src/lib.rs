@@ -17,7 +17,6 @@ pub mod live_source;
 mod log_contents;
 pub mod log_index;
 pub mod log_reader;
-pub mod memory;
 pub mod peers;
 pub mod progress;
 pub mod readiness;

@@ -14,7 +14,6 @@ use mavwire_columns::summary::{Count, Sender, Summary};
 use mavwire_columns::unknown;
 use mavwire_core::unknown::UnknownCounts;
 use mavwire_io::files;
-use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -126,15 +125,6 @@ impl Query {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct LogColumns {
     reader: Mutex<Box<dyn Decode>>,
-    handed_out: Mutex<HandedOut>,
-}
-
-/// The batches that were handed out.
-#[derive(Default)]
-struct HandedOut {
-    /// Bytes of the last ones, if they are of a part of a block.
-    last: usize,
-    freed: Freed,
 }
 
 impl LogColumns {
@@ -146,30 +136,12 @@ impl LogColumns {
     ) -> Result<Self> {
         let reader = py.detach(open)?;
         query.check_times(reader.has_times())?;
-        Ok(Self { reader: Mutex::new(reader), handed_out: Mutex::default() })
-    }
-
-    fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
-        let mut handed_out = self.handed_out.lock().unwrap_or_else(PoisonError::into_inner);
-        // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs, whose
-        // blocks are taken in whole, can do without.
-        let last = std::mem::take(&mut handed_out.last);
-        handed_out.freed.add(last);
-        let batches = self.with(|reader| reader.advance_a_while())?;
-        if self.with(|reader| reader.is_within_block()) {
-            handed_out.last = batches.as_deref().map_or(0, bytes_of);
-        }
-        Ok(batches)
+        Ok(Self { reader: Mutex::new(reader) })
     }
 
     pub(crate) fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
         read(&mut **self.reader.lock().unwrap_or_else(PoisonError::into_inner))
     }
-}
-
-/// Memory that batches take.
-pub(crate) fn bytes_of(batches: &[Batch]) -> usize {
-    batches.iter().map(|batch| batch.rows.get_array_memory_size()).sum()
 }
 
 pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
@@ -194,7 +166,7 @@ impl LogColumns {
     /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> Result<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.advance())?;
+        let batches = py.detach(|| self.with(|reader| reader.advance_a_while()))?;
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 

@@ -12,12 +12,11 @@ use mavwire_columns::output::{self, Output};
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
 use mavwire_io::files::{Draft, commit_all};
-use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::python::error::Result;
-use crate::tables::columns::{LogColumns, Query, bytes_of};
+use crate::tables::columns::{LogColumns, Query};
 use crate::tables::table::RecordBatches;
 
 fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
@@ -54,26 +53,21 @@ struct Work {
     output: Output<Draft>,
     /// What was read and is not written.
     batches: Vec<Batch>,
-    freed: Freed,
 }
 
 impl Work {
     /// Writes what was read, while more of the log is; false at its end.
     fn step(&mut self, reader: &mut dyn Decode) -> Result<bool, Error> {
-        let Self { output, batches, .. } = self;
+        let Self { output, batches } = self;
         // Even in a raw stream all rows of a batch may have times.
         if matches!(output, Output::Mcap { .. }) && !batches.is_empty() && !reader.has_times() {
             return Err(Error::NoTimes);
         }
         let (written, read) = pool::both(|| output.write(batches), || reader.advance_a_while());
         written?;
-        let written = std::mem::take(&mut self.batches);
-        let bytes = bytes_of(&written);
-        drop(written);
-        self.freed.add(bytes);
         let more = read?;
         let is_end = more.is_none();
-        self.batches = more.unwrap_or_default();
+        *batches = more.unwrap_or_default();
         Ok(!is_end)
     }
 }
@@ -116,7 +110,7 @@ impl Converter {
             check(kind.takes(how), format, compression)?;
             Output::tables(folder, file, kind, how, Draft::create, query.names.is_some())
         };
-        let work = Work { output, batches: Vec::new(), freed: Freed::default() };
+        let work = Work { output, batches: Vec::new() };
         Ok(Self { log, work: Mutex::new(Some(work)) })
     }
 
