@@ -8,7 +8,6 @@ use mavwire_io::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::link::live_failure::Failure;
 use crate::link::state::Link;
 use crate::port::peers::to_python;
 use crate::port::stream_writer::StreamWriter;
@@ -25,8 +24,8 @@ const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LiveLink {
     pub(super) source: Lock<LiveSource>,
-    /// Why reading failed.
-    pub(crate) failure: Failure,
+    /// The port whose reading failed, by its address, and the error's number. The system says it once.
+    pub(crate) failure: Lock<Option<(usize, i32)>>,
     /// The class of port that was seen to be a plain one.
     pub(super) plain_port: Slot<PyType>,
     /// What sends to a stream.

@@ -5,11 +5,10 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
-use crate::link::live_failure::Failure;
 use crate::link::live_link::LiveLink;
 use crate::link::state::Link;
 use crate::port::peers::{from_python, to_python};
-use crate::port::ports::close_port;
+use crate::port::ports::{PortError, close_port, os_error};
 use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::own_methods::OwnMethods;
@@ -29,7 +28,7 @@ impl LiveLink {
     ) -> PyResult<PyClassInitializer<Self>> {
         let link = Self {
             source: Lock::new(LiveSource::default()),
-            failure: Failure::none(),
+            failure: Lock::new(None),
             plain_port: Slot::new(),
             writer: Slot::new(),
         };
@@ -38,13 +37,11 @@ impl LiveLink {
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.failure.traverse(&visit)?;
         self.writer.traverse(visit)?;
         self.plain_port.traverse(visit)
     }
 
     fn __clear__(&self) {
-        self.failure.clear();
         self.plain_port.set(None);
         self.writer.set(None);
     }
@@ -67,7 +64,13 @@ impl LiveLink {
 
     /// Raises the error with which reading `port` natively ended; the system does not say it again.
     fn _raise_read_error(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.failure.raise(port)
+        let failure = self.failure.lock(port.py()).take();
+        match failure {
+            Some((failed, number)) if failed == port.as_ptr().addr() => {
+                Err(PortError::new_err((os_error(port.py(), number),)))
+            }
+            _ => Ok(()), // of a connection before
+        }
     }
 
     /// What sends to a stream.

@@ -146,7 +146,7 @@ fn fill(slf: &Bound<'_, LiveLink>, mav: &Bound<'_, MAVLink>) -> PyResult<Arrived
         shared::add(&mav.get().counters.bytes_received, bytes as u64);
     }
     if let Arrived::Failed(number) = arrived {
-        slf.get().failure.set(port, number);
+        *slf.get().failure.lock(slf.py()) = Some((port.as_ptr().addr(), number));
     }
     Ok(arrived)
 }
