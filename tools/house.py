@@ -186,11 +186,11 @@ def measures() -> dict[str, int]:
 
 LIMITS = {
     "lines of rust/schema": 2_770,
-    "lines of rust/core": 8_780,
-    "lines of rust/columns": 7_140,
-    "lines of rust/io": 6_830,
-    "lines of rust/py": 13_310,
-    "lines of Rust without tests": 38_820,
+    "lines of rust/core": 8_810,
+    "lines of rust/columns": 6_900,
+    "lines of rust/io": 6_690,
+    "lines of rust/py": 13_130,
+    "lines of Rust without tests": 38_290,
     "lines of Python without stubs": 46_270,
     "files over 400 lines": 6,
     "functions over 40 lines": 26,
