@@ -6,8 +6,9 @@ each frame that came in, user and system; the time of the sender is not in it. N
 other ends, which costs the bridge the same and the machine less.
 
 `--soak 600` forwards for ten minutes at `--rate` and prints loss, memory and latency each minute.
-`--peers` compares `mavwire bridge` with mavlink-router and mavp2p, as far as they are in PATH: each is a
-process of its own, with one link in and one out, and what arrives at the other end is counted.
+`--peers` compares `mavwire bridge` with mavlink-router and mavp2p, as far as they are in PATH, and a loop over pymavlink:
+evenly spaced frames and bursts, several links, a slow serial link beside a fast one. Printed are medians of losses, CPU
+time of a frame, added latency and memory (see `python/router_worker.py`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
 from typing import Any
 
 WORKER = Path(__file__).parent / "python" / "bridge_worker.py"
@@ -45,35 +48,68 @@ CASES: tuple[Case, ...] = (
     (20_000, 10, MIX, 0),
 )
 
-# Routers, and how they are told the ports that they listen on and send to.
+ROUTER_WORKER = WORKER.with_name("router_worker.py")
+PYTHON = [sys.executable, str(ROUTER_WORKER)]
+# mavlink-router needs a file, and no TCP server on a port that may be taken.
+MAIN_CONF = "[General]\nTcpServerPort=0\n"
+# Routers, and how they are told their ends: a word with IN, OUT or TTY comes once for each end of that kind. The last
+# two stand for no packing and no router.
 PEERS = {
-    "mavwire": [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:IN", "udpout:127.0.0.1:OUT"],
-    "mavlink-routerd": ["mavlink-routerd", "-c", "/dev/null", "-t", "0", "-e", "127.0.0.1:OUT", "127.0.0.1:IN"],
-    "mavp2p": ["mavp2p", "udps:127.0.0.1:IN", "udpc:127.0.0.1:OUT"],
+    "mavwire": [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:IN", "udpout:127.0.0.1:OUT", "serial:TTY:57600"],
+    "mavwire, unpacked": [*PYTHON, "forward_unpacked", "udpin:127.0.0.1:IN", "udpout:127.0.0.1:OUT", "serial:TTY:57600"],
+    "mavlink-routerd": ["mavlink-routerd", "-c", "CONF", "-e127.0.0.1:OUT", "127.0.0.1:IN", "TTY:57600"],
+    "mavp2p": ["mavp2p", "--hb-disable", "udps:127.0.0.1:IN", "udpc:127.0.0.1:OUT", "serial:TTY:57600"],
+    "pymavlink loop": [*PYTHON, "forward_with_pymavlink", "udpin:127.0.0.1:IN", "udpout:127.0.0.1:OUT"],
 }  # fmt: skip
-PEER_RATES = (1_000, 10_000, 60_000, 100_000)
+# Frames a second, seconds between bursts (0: evenly spaced), links in, links out, a serial link beside them.
+Shape = tuple[int, float, int, int, int]
+SHAPES: tuple[Shape, ...] = (
+    (1_000, 0, 1, 1, 0),
+    (20_000, 0, 1, 1, 0),
+    (50_000, 0, 1, 1, 0),
+    (20_000, 0.001, 1, 1, 0),
+    (50_000, 0.001, 1, 1, 0),
+    (100_000, 0.001, 1, 1, 0),
+    (20_000, 0, 1, 10, 0),
+    (20_000, 0, 10, 1, 0),
+    (20_000, 0, 1, 1, 1),
+)
+COLUMNS = ("lost", "micros", "p50", "p99", "mb")
+# The pymavlink loop takes no more than a few thousand frames a second, from one link.
+PYMAVLINK_SHAPES = SHAPES[:1]
 
 
 def compare(seconds: float, runs: int) -> None:
-    """The table of routers."""
-    print(f"{'router':<18}{'rate/s':>9}{'sent':>10}{'lost':>9}{'us CPU':>9}")
-    for name, command in PEERS.items():
-        if shutil.which(command[0]) is None:
-            print(f"{name:<18} is not in PATH")
-            continue
-        for rate in PEER_RATES:
-            worker = [sys.executable, str(WORKER), "peer", str(rate), str(seconds), *command]
-            found = []
-            for _ in range(runs):
-                done = subprocess.run(worker, capture_output=True, text=True, check=False)
-                if done.returncode:
-                    print(f"{name:<18}{rate:>9,}  {done.stderr.strip().splitlines()[-1]}")
-                    break
-                found.append(json.loads(done.stdout))
-            if found:
-                middle = sorted(one["micros"] for one in found)[len(found) // 2]
-                sent, lost = (sum(one[key] for one in found) for key in ("sent", "lost"))
-                print(f"{name:<18}{rate:>9,}{sent:>10,}{lost:>9,}{middle:>9.2f}", flush=True)
+    """The table of routers: in each run they come in turns, row by row."""
+    found: dict[tuple[Shape, str], list[dict[str, float]]] = {}
+    missing = [name for name, command in PEERS.items() if shutil.which(command[0]) is None]
+    with TemporaryDirectory() as directory:
+        conf = Path(directory) / "main.conf"
+        conf.write_text(MAIN_CONF)
+        for _ in range(runs):
+            for shape in SHAPES:
+                for name, command in PEERS.items():
+                    if name in missing or (
+                        name == "pymavlink loop" and shape not in PYMAVLINK_SHAPES
+                    ):
+                        continue
+                    words = [word.replace("CONF", str(conf)) for word in command]
+                    rate, gap, *ends = shape
+                    worker = [*PYTHON, "measure", *map(str, (rate, seconds, gap, *ends)), *words]
+                    done = subprocess.run(worker, capture_output=True, text=True, check=False)
+                    if done.returncode:
+                        print(f"{name}, {rate:,}: {done.stderr.strip()[-200:]}", file=sys.stderr)
+                    else:
+                        found.setdefault((shape, name), []).append(json.loads(done.stdout))
+    print("| frames/s | senders | in, out | router | lost | us CPU | p50 us | p99 us | MB |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for ((rate, gap, ins, outs, serial), name), rows in found.items():
+        cells = [f"{median(row[column] for row in rows):,.1f}" for column in COLUMNS]
+        links = f"{ins}, {outs}{' and serial' if serial else ''}"
+        senders = f"bursts, {1_000 * gap:g} ms" if gap else "even"
+        print(f"| {rate:,} | {senders} | {links} | {name} | {' | '.join(cells)} |")
+    for name in missing:
+        print(f"{name} is not in PATH", file=sys.stderr)
 
 
 def measure(case: Case, seconds: float) -> dict[str, Any]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import re
 import socket
 import subprocess
 import sys
@@ -149,84 +147,9 @@ def soak_line(bridge: Bridge, out: str) -> str:
     )
 
 
-def peer(rate: str, seconds: str, *command: str) -> dict[str, Any]:
-    """Another router, with IN and OUT in its command for the ports that it listens on and sends to."""
-    with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sink,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe,
-    ):
-        enlarge(sink)
-        sink.bind(("127.0.0.1", 0))
-        probe.bind(("127.0.0.1", 0))
-        port = str(probe.getsockname()[1])
-        probe.close()
-        ports = {"IN": port, "OUT": str(sink.getsockname()[1])}
-        words = [re.sub("IN|OUT", lambda found: ports[found[0]], word) for word in command]
-        router = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            return measured(router, sink, port, rate, seconds)
-        finally:
-            router.kill()
-            router.wait()
-
-
-def measured(
-    router: subprocess.Popen[bytes], sink: socket.socket, port: str, rate: str, seconds: str
-) -> dict[str, Any]:
-    wait_until_it_routes(sink, port)
-    began, received, sender = cpu_time(router.pid), 0, start_sender(port, rate, "1", seconds)
-    sink.settimeout(1.0)
-    buffer = bytearray(65536)
-    while True:
-        try:
-            # Others may put several frames into a datagram.
-            received += sink.recv_into(buffer) // PACKET
-        except TimeoutError:
-            if sender.poll() is not None:
-                break
-    answer = json.loads(sender.communicate()[0])
-    cpu = cpu_time(router.pid) - began
-    sent = answer["sent"]
-    return {"sent": sent, "lost": sent - received, "micros": 1e6 * cpu / max(received, 1)}
-
-
-def wait_until_it_routes(sink: socket.socket, port: str) -> None:
-    (frame, *_) = frames("1")
-    sink.settimeout(0.1)
-    end = time.monotonic() + 20
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        while time.monotonic() < end:
-            with suppress(OSError):
-                sock.sendto(frame, ("127.0.0.1", int(port)))
-                sink.recv(65536)
-                break
-        else:
-            raise SystemExit("it routes nothing")
-    with suppress(TimeoutError):
-        while sink.recv(65536):
-            pass
-
-
-def cpu_time(pid: int) -> float:
-    """Seconds of processor time that a process took so far."""
-    with open(f"/proc/{pid}/stat") as file:
-        user, system = file.read().rpartition(")")[2].split()[11:13]
-    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
-
-
-def enlarge(sock: socket.socket) -> None:
-    """Room for what is not read yet, as far as the system lets us."""
-    for option in (33, socket.SO_RCVBUF):  # SO_RCVBUFFORCE, for root
-        with suppress(OSError):
-            sock.setsockopt(socket.SOL_SOCKET, option, 8 << 20)
-            break
-
-
 if __name__ == "__main__":
     what, *arguments = sys.argv[1:]
     if what in ("send", "soak"):
         globals()[what](*arguments)
-    elif what == "peer":
-        print(json.dumps(peer(*arguments)), flush=True)
     else:
         print(json.dumps(forward(*arguments)), flush=True)
