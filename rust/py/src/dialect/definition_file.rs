@@ -88,7 +88,9 @@ pub(crate) fn definition_union(sets: Vec<FileSet>, with_upstream: bool) -> PyRes
         sets.push(vec![builtin::definitions(builtin::UPSTREAM).map_err(Error::from)?]);
     }
     let mut union = Union::default();
-    sets.into_iter().for_each(|set| union.add(set));
+    for set in sets {
+        union.add(set);
+    }
     to_json(&union.finish(builtin::UPSTREAM).0)
 }
 
