@@ -152,11 +152,11 @@ def test_a_log_of_many_blocks_is_sorted_within_them(flight, tmp_path):
 
 @pytest.fixture
 def no_descriptions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of stored definitions, which is not there; no others are either."""
+    """A folder of stored definitions, which is not there; no others are either."""
     monkeypatch.setattr(_descriptions, "installed_folder", lambda: None)
     monkeypatch.delenv("MDEF", raising=False)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    return tmp_path / "mavwire" / "definitions"
+    return tmp_path / "mavwire" / "definitions" / "1"
 
 
 def test_schemas_have_stored_descriptions(flight, tmp_path, no_descriptions):
