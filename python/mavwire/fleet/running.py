@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
@@ -89,8 +88,7 @@ def convert(
         manifest = Manifest(store, how, lambda path: _known(known[path]))
         names = manifest.names(logs)
         options = dict(storage_options or {})
-        wanted = replace(selection, dialect=None)  # a module cannot be sent to a worker
-        recipe = Recipe(out, folder, wanted, dialect, format, compression, options)
+        recipe = Recipe(out, folder, selection, dialect, format, compression, options)
         run = _Run(manifest, recipe, task_bytes, progress)
         try:
             todo = run.look(names, known)

@@ -111,22 +111,20 @@ def set_dialect(dialect: Any) -> None:
     global mavlink, current_dialect, _given
     if isinstance(dialect, list | tuple) and dialect:
         merged: Any = import_module(DIALECTS).merged
-        mavlink = merged([_one_of_several(one) for one in dialect])
+        mavlink = merged([_loaded(one) for one in dialect])
         current_dialect, _given = mavlink.DIALECT, dialect
         return
+    mavlink = _loaded(dialect)
     if isinstance(dialect, ModuleType):
-        mavlink, current_dialect = dialect, _dialect_name(dialect)
-        _given = dialect
-        return
-    if not isinstance(dialect, str | os.PathLike):
-        raise _no_dialect_type(dialect)
-    name = os.fspath(dialect)
-    mavlink = load_dialect(name, _chosen_version())
-    current_dialect, _given = name, None
+        current_dialect, _given = dialect.DIALECT, dialect
+    else:
+        current_dialect, _given = os.fspath(dialect), None
 
 
-def _one_of_several(dialect: Any) -> ModuleType:
+def _loaded(dialect: Any) -> ModuleType:
+    """The module of one dialect. TypeError for anything else than a name, a path or a module."""
     if isinstance(dialect, ModuleType):
+        _check_module(dialect)
         return dialect
     if not isinstance(dialect, str | os.PathLike):
         raise _no_dialect_type(dialect)
@@ -169,11 +167,9 @@ def _is_built_in(dialect: str) -> bool:
     return dialect in Dialect.names()
 
 
-def _dialect_name(module: ModuleType) -> str:
-    name = getattr(module, "DIALECT", None)
-    if not isinstance(name, str) or not hasattr(module, "MAVLink"):
+def _check_module(module: ModuleType) -> None:
+    if not isinstance(getattr(module, "DIALECT", None), str) or not hasattr(module, "MAVLink"):
         raise _no_dialect_type(module)
-    return name
 
 
 def _no_dialect_type(dialect: object) -> TypeError:

@@ -70,7 +70,7 @@ class Manifest:
     """The logs that were converted into a folder, and the options. `status` gives size and time of a log,
     or raises OSError.
 
-    What a killed run left of logs is removed. ValueError if the manifest is a file of something else.
+    Files of logs that a killed run did not finish are removed. ValueError if the manifest is a file of another program.
     """
 
     def __init__(

@@ -64,6 +64,9 @@ class Selection:
     read.
     """
 
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"dialect": None}  # a module cannot be sent to a worker
+
     @classmethod
     def of(
         cls,
@@ -230,8 +233,8 @@ def several(values: Any) -> Iterator[Any]:
 
 
 def id_of(dialect: Any, name: object) -> int | None:
-    """The id of the message, or of the other layout of an id, that has this name. None if there is none;
-    BAD_DATA and UNKNOWN have negative ids, and are none.
+    """The id of the message with this name, or of the other layout of an id with this name. None without one:
+    BAD_DATA and UNKNOWN are no messages.
     """
     if not isinstance(name, str) or not hasattr(dialect, "MAVLink"):
         return None

@@ -11,8 +11,8 @@
 //! | a layout that the dialect knows beside the id's own ([`Registry::other`](crate::registry::Registry::other)) | 2 of its sender |
 //! | an id that the dialect defines, with a `crc_extra` that it does not know | 4 of its id and sender |
 //!
-//! The same bytes again are no new evidence. What was believed once stays so until frames agree on something else: forged
-//! frames cannot shut out genuine ones. All of it depends on the bytes alone and not on how they arrive.
+//! The same bytes again are no new evidence. A definition that was believed stays believed until frames agree on another one:
+//! forged frames cannot shut out genuine ones. All of it depends on the bytes alone and not on how they arrive.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ const MOST: usize = 4096;
 /// In place of an id: the layouts that the dialect knows, of all ids of a sender.
 const LAYOUTS: u32 = 1 << 24;
 
-/// What a frame would be if its checksum is right.
+/// The kind of message that a frame is if its checksum is right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Claim {
     /// A message of an id that is not defined.
@@ -37,7 +37,7 @@ pub(super) enum Claim {
     OtherDefinition,
 }
 
-/// What the frames of an id and sender agree on.
+/// The `crc_extra` on which the frames of an id and sender agree.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sighting {
     believed: Option<u8>,

@@ -12,7 +12,7 @@ pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
 /// What received timestamps leave of the 48 bits where there is no clock: a year.
 pub const KEPT_FREE: u64 = 365 * MAX_LOCAL_LEAD;
 
-/// What the stream table says about a signed frame.
+/// Whether the stream table has the stream of a signed frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stream {
     /// First frame of its stream.
