@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
+import signal
 import tempfile
 from collections.abc import Iterator
 
@@ -19,6 +20,9 @@ ORACLE = "pymavlink"
 
 # Definitions and descriptions that the user of this machine installed are none of the tests' business.
 os.environ["XDG_DATA_HOME"] = os.path.join(tempfile.gettempdir(), "mavwire-no-data")
+
+# A shell that starts the tests in the background has them ignore Ctrl-C, and all processes that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Tests with real sockets, processes, signals and clocks: on a machine that stalls for seconds one
 # may fail though nothing is wrong. It is tried twice more, and the summary shows that it was.

@@ -448,7 +448,9 @@ def test_a_module_as_dialect(tmp_path):
 
 @pytest.mark.parametrize("wrong", [3, b"common", [3], [], math])
 def test_what_is_no_dialect(wrong):
-    with pytest.raises(TypeError, match="a name, a path to XML, a dialect module or a list of these, not "):
+    with pytest.raises(
+        TypeError, match="a name, a path to XML, a dialect module or a list of these, not "
+    ):
         mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect=wrong)
 
 
