@@ -119,7 +119,7 @@ def test_stored_descriptions_are_on_the_pages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    folder = tmp_path / "mavwire" / "definitions"
+    folder = tmp_path / "mavwire" / "definitions" / "000"
     folder.mkdir(parents=True)
     (folder / "minimal.xml").write_text(
         """<mavlink><enums><enum name="MAV_STATE"><entry value="1" name="MAV_STATE_BOOT">
