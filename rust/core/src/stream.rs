@@ -63,9 +63,9 @@ impl FrameStream {
         &self.buffer[self.start..]
     }
 
-    /// Forgets everything received so far.
+    /// Forgets unread bytes. The definitions that senders use are still known.
     pub fn clear(&mut self) {
-        self.scanner.reset();
+        self.scanner.restart();
         self.buffer = Vec::new();
         self.start = 0;
     }

@@ -73,7 +73,7 @@ impl Switch {
             moment: Moment::default(),
         };
         let options = LinkOptions { private: true, ..LinkOptions::default() };
-        let spec = PortSpec { options, ..PortSpec::default() };
+        let spec = PortSpec { options, forward_unverified: true, ..PortSpec::default() };
         if let Some(program) = switch.add(PROGRAM, Wire::Program, &spec) {
             switch.program = program;
         }
