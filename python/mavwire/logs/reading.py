@@ -17,6 +17,7 @@ from mavwire.dialects import UPSTREAM
 from .batches import Batches
 from .checks import check_described, check_tables, fields_of, no_record_type, no_rows
 from .common_columns import Surveys, empty_of
+from .memory import warn_if_scarce
 from .query import Query, Types, takes
 from .selection import ID_PREFIX, Selection, names_of, no_message, separate_fields, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
@@ -80,13 +81,16 @@ def read(
     and are not in the log give empty tables. `wide=True` gives types with an instance field as
     `Table.wide` does, a column for each instance.
 
-    Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
-    for a type or field that the dialect, or the dataflash log, does not have.
+    Every good record of a damaged log is there. Warns where the tables of a whole log will not fit
+    into memory. Raises FileNotFoundError and its kin, ValueError for a type or field that the
+    dialect, or the dataflash log, does not have.
     """
     if isinstance(path, list | tuple | set):
         raise TypeError("read takes one log: use mavwire.scan for several")
     path = os.fsdecode(path)
     check_readable(path)
+    if types is None and not query.keys() & {"systems", "fields", "start", "end"}:
+        warn_if_scarce(path)
     module, native = native_dialect(dialect)
     fields = separate_fields(query, wide)
     selection = Selection.of(module, types, **query)

@@ -8,15 +8,18 @@ import os
 import random
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from runpy import run_path
 from typing import Any
 
+import mavwire
 import pytest
 from dataflash_writer import FMT, fmt, record
 from mavwire.dialects.v20 import all as every
 from mavwire.dialects.v20 import common
+from mavwire.logs import memory
 from mavwire.logs.formats import FORMATS
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
@@ -251,3 +254,17 @@ print(json.dumps([len(row.files), row.bad_bytes, taken()]))
     files, bad, memory = run(code, many_types, tmp_path)
     assert (files, bad) == (len(every.mavlink_map) - 1, 0)  # the log has no STATUSTEXT
     assert memory < MANY_LIMIT
+
+
+def test_tables_that_will_not_fit_are_told(log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    needed, free = MEGABYTES << 20, memory.available()
+    assert free is not None and free > 0
+    monkeypatch.setattr(memory, "available", lambda: needed >> 1)
+    with pytest.warns(UserWarning, match=r"take about 0\.1 GiB, and 0\.0 GiB .*: ask for less"):
+        mavwire.read(log)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mavwire.read(log, "HEARTBEAT")
+        mavwire.read(log, fields="type", types=None)
+        monkeypatch.setattr(memory, "available", lambda: needed << 1)
+        mavwire.read(log)
