@@ -25,6 +25,14 @@ def cannot_write(path: str, suffixes: Sequence[str]) -> str:
     return f"cannot write {path!r}: use {', '.join(most)} or {last}"
 
 
+def callers_level() -> int:
+    """The `stacklevel` with which a warning of the calling function names the line outside mavwire that led to it."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals["__name__"].split(".")[0] == "mavwire":
+        level, frame = level + 1, frame.f_back
+    return level
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """`; did you mean 'mode'?` if one of the known names is close to this one, else nothing."""
     from difflib import get_close_matches

@@ -290,10 +290,17 @@ def mavlink_connection(
 
     if resync not in (None, "skip", "rescan"):
         raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
-    if dialect is not None:
-        set_dialect(dialect)
+    module = None
+    with state.choosing:
+        if dialect is not None:
+            set_dialect(dialect)
+            module = state.mavlink
     options = Options(**arguments)
-    link: Connection = connect(device, options)
+    before = state.asked_for.set(module)
+    try:
+        link: Connection = connect(device, options)
+    finally:
+        state.asked_for.reset(before)
     if resync is not None and hasattr(link, "mav"):
         link.mav.resync = resync
     return link

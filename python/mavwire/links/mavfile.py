@@ -117,7 +117,7 @@ class mavfile(Link, Tracking, Commands, Signing):
         self.uptime = 0.0
         self.notimestamps = notimestamps
         self._timestamp: float | None = None
-        self.WIRE_PROTOCOL_VERSION: str = state.mavlink.WIRE_PROTOCOL_VERSION
+        self.WIRE_PROTOCOL_VERSION: str = state.dialect_of_new_links().WIRE_PROTOCOL_VERSION
         self.stop_on_EOF = False
         self.portdead = False
         if input:
@@ -126,7 +126,7 @@ class mavfile(Link, Tracking, Commands, Signing):
     # -- the parser object
 
     def _new_mav(self) -> CurrentMAVLink:
-        mav: CurrentMAVLink = state.mavlink.MAVLink(
+        mav: CurrentMAVLink = state.dialect_of_new_links().MAVLink(
             self, srcSystem=self.source_system, srcComponent=self.source_component
         )
         return mav

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
+from contextvars import ContextVar
 from types import ModuleType
 
 from . import Any
@@ -24,6 +26,10 @@ mavlink: Any = None
 # The wire protocol of a postponed module.
 _postponed: str = "1.0"
 current_dialect: str = DEFAULT_DIALECT
+# Held where a dialect is made current and then taken for a link.
+choosing = threading.RLock()
+# The dialect of the link that is being opened, which other threads do not change.
+asked_for: ContextVar[ModuleType | None] = ContextVar("asked_for", default=None)
 # The module, or the list of dialects, that `set_dialect` was given in place of a name, else None.
 _given: Any = None
 # The link or log reader opened last; expressions read parameters from it.
@@ -59,6 +65,12 @@ def delete_mavlink() -> None:
     global _postponed
     globals().pop("mavlink", None)
     _postponed = _chosen_version()
+
+
+def dialect_of_new_links() -> ModuleType:
+    """The dialect that a link of this thread was asked to have, or else the current one."""
+    module: ModuleType = asked_for.get() or sys.modules[__name__].mavlink  # it may be postponed
+    return module
 
 
 def definitions_in_use() -> dict[str, Any]:

@@ -258,7 +258,7 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
             names[path] = earlier[path]
             continue
         stem = os.path.basename(path)
-        for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
+        for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log", ".parquet", ".arrow"):
             stem = stem.removesuffix(suffix)
         stem = _UNDECODED.sub(_escaped, stem)
         # Of ".tlog" and "..tlog" nothing is left that a file could be called.

@@ -8,6 +8,8 @@ import warnings
 from contextlib import suppress
 from pathlib import Path
 
+from mavwire._text import callers_level
+
 GIB = 1 << 30
 LIMIT, USED = "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"
 """What Linux grants a container."""
@@ -32,4 +34,4 @@ def warn_if_scarce(path: str) -> None:
     if free is not None and needed > free:
         text = f"{path}: its tables take about {needed / GIB:.1f} GiB, and {free / GIB:.1f} GiB of memory are free"
         advice = "ask for less by types=, fields= or start=, or use mavwire.scan, which holds one batch at a time"
-        warnings.warn(f"{text}: {advice}", stacklevel=4)
+        warnings.warn(f"{text}: {advice}", stacklevel=callers_level())

@@ -10,6 +10,7 @@ import warnings
 from collections import Counter
 from typing import TYPE_CHECKING, Any, Literal
 
+from mavwire._text import callers_level
 from mavwire.dialects import UPSTREAM, names
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def warn_unknown(counts: Counts, path: str, dialect: Any) -> None:
     """Warn of the messages of a log that the dialect, a module, does not define, as `LogColumns.unknown` counts them."""
     if counts:
         text = f"{path}: left out: {unknown_text(counts, dialect, 'argument')}"
-        warnings.warn(text, UnknownMessageWarning, stacklevel=3)
+        warnings.warn(text, UnknownMessageWarning, stacklevel=callers_level())
 
 
 def log_of_table(path: str | os.PathLike[str]) -> bytes:
@@ -107,16 +108,21 @@ def unknown_text(
 
     kinds = sorted(counts.items(), key=lambda row: -row[1])
     groups: dict[tuple[bool, bool], Counter[str]] = {}
-    for kind, count in [*kinds[:SHOWN], *((None, count) for _, count in kinds[SHOWN:])]:
+    for place, (kind, count) in enumerate(kinds):
         is_known, text = _kind_text(kind, dialect)
         in_upstream = kind is not None and _defines(upstream, *kind)
-        groups.setdefault((is_known, in_upstream), Counter())[text] += count
+        shown = text if place < SHOWN else "other kinds"
+        groups.setdefault((is_known, in_upstream), Counter())[shown] += count
     return "; ".join(
-        f"{', '.join(f'{count:,} messages of {text}' for text, count in texts.items())}"
+        f"{', '.join(f'{_messages(count)} of {text}' for text, count in texts.items())}"
         f"{'' if is_known else f' are not in the dialect {dialect.DIALECT}'}:"
         f" {_advice(dialect.DIALECT, is_known, in_upstream, way)}"
         for (is_known, in_upstream), texts in groups.items()
     )
+
+
+def _messages(count: int) -> str:
+    return "1 message" if count == 1 else f"{count:,} messages"
 
 
 def _kind_text(kind: tuple[int, int | None] | None, dialect: Any) -> tuple[bool, str]:
@@ -143,7 +149,7 @@ def _advice(name: str, is_known: bool, in_upstream: bool, way: str) -> str:
         xml = [one for one in given if one not in names()]
         return f"try `{_naming([*xml, UPSTREAM], way)}`"
     if is_known:
-        return f"add it with `{_naming([*given, 'FILE.xml'], way)}`"
+        return f"name the XML file of that one too: `{_naming(['FILE.xml', *given], way)}`"
     return "name a dialect or an XML file that has it"
 
 

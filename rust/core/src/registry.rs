@@ -49,6 +49,8 @@ pub struct Registry {
     own: usize,
     /// Ids with layouts of other definitions, in order of id and `crc_extra`.
     others: Box<[(u32, Entry)]>,
+    /// Those that a dialect defines as its own which was merged into this one: id and `crc_extra`.
+    merged_in: HashSet<(u32, u8)>,
     /// `directory[msgid / PAGE]`: number of the page in `entries`.
     directory: Box<[u16]>,
     entries: Box<[Entry]>,
@@ -82,7 +84,8 @@ impl Registry {
                 Entry::of(message, index);
         }
         let (entries, boot_times) = (entries.into_boxed_slice(), OnceLock::new());
-        Self { dialect, own, others, directory, entries, boot_times }
+        let merged_in = HashSet::new();
+        Self { dialect, own, others, merged_in, directory, entries, boot_times }
     }
 
     /// Where its messages say how long their sender has been running.
@@ -106,6 +109,8 @@ impl Registry {
         let all = &self.dialect.messages;
         let mut names = all.iter().map(|one| one.name.clone()).collect();
         let mut layouts: HashSet<_> = all.iter().map(|one| (one.id, one.crc_extra)).collect();
+        let own = other.own_messages().iter().map(|one| (one.id, one.crc_extra));
+        let merged_in = own.chain(self.merged_in.iter().copied()).collect();
         for (n, message) in other.dialect.messages.iter().enumerate() {
             let is_new = n < other.own && self.lookup(message.id).is_none();
             if layouts.insert((message.id, message.crc_extra)) || is_new {
@@ -126,7 +131,7 @@ impl Registry {
                 None => dialect.enums.push(definition.clone()),
             }
         }
-        Ok(Self::new(dialect))
+        Ok(Self { merged_in, ..Self::new(dialect) })
     }
 
     /// The messages without the layouts of other definitions: each id once.
@@ -139,6 +144,11 @@ impl Registry {
         let key = (msgid, crc_extra);
         let found = self.others.binary_search_by_key(&key, |(id, entry)| (*id, entry.crc_extra));
         Some(self.others[found.ok()?].1)
+    }
+
+    /// Whether a dialect that was merged into this one has a layout as its own, which its user expects in frames.
+    pub fn is_merged_in(&self, msgid: u32, crc_extra: u8) -> bool {
+        self.merged_in.contains(&(msgid, crc_extra))
     }
 
     /// The message with an id, if the dialect has it.
@@ -233,6 +243,7 @@ mod tests {
         assert_eq!(commands, [(1, "A"), (3, "C")]);
         let name = |extra| registry.other(1, extra).map(|e| &*registry.message(e.index).name);
         assert_eq!([10, 11, 12].map(name), [None, Some("A_CRC11"), Some("B")]);
+        assert_eq!([11, 12].map(|extra| registry.is_merged_in(1, extra)), [false, true]);
         assert_eq!(registry.lookup(1).map(|entry| entry.crc_extra), Some(10));
     }
 }

@@ -342,6 +342,9 @@ impl Scanner {
         let extra = x25::implied_extra(register, received);
         let other = extra.and_then(|extra| registry.other(msgid, extra));
         let other = other.filter(|&other| fits(&header, other));
+        if other.is_some_and(|other| registry.is_merged_in(msgid, other.crc_extra)) {
+            return accept(other);
+        }
         let claim = match (entry, other) {
             _ if self.accept_unverified => Claim::UnknownId,
             (_, Some(_)) => Claim::KnownLayout,

@@ -39,6 +39,18 @@ async def converse(one, other, rounds=3):
                 msg = await receiver.recv_match(condition, "HEARTBEAT", timeout=0.5)
 
 
+def test_links_that_open_at_once_have_their_own_dialects(loop):
+    async def dialect(name):
+        async with aio.connect("udpin:127.0.0.1:0", dialect=name) as link:
+            return type(link.sync.mav).__module__.rpartition(".")[2]
+
+    async def every(names):
+        return await asyncio.gather(*map(dialect, names))
+
+    names = ["upstream", "common", "all", "minimal"] * 3
+    assert run(every(names), loop) == names
+
+
 # Kind of link -> the end that listens, and what the other one connects to when it knows the port.
 PAIRS = {
     "udp": ("udpin:127.0.0.1:0", "udpout:localhost:{}"),

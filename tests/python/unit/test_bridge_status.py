@@ -67,7 +67,7 @@ def test_messages_that_the_dialect_does_not_define_are_told() -> None:
     ]
     assert unknown(stats(2.0, unknown=kinds), upstream) == [
         "gcs: 17 messages of id 180 have another definition (CRC_EXTRA 5) than CAMERA_FEEDBACK of upstream: "
-        "add it with `--dialect upstream --dialect FILE.xml`; "
+        "name the XML file of that one too: `--dialect FILE.xml --dialect upstream`; "
         "2 messages of other kinds are not in the dialect upstream: name a dialect or an XML file that has it"
     ]
     assert unknown(stats(2.0), upstream) == []

@@ -21,7 +21,10 @@ from mavwire.logs.unknown import NO_TABLE, counts_of, named, unknown_text
 
 T0 = 1_700_000_000_000_000
 KIND = "id 180 with CRC_EXTRA 5"
-OTHER = "17 messages of id 180 have another definition (CRC_EXTRA 5) than CAMERA_FEEDBACK of upstream: add it with "
+OTHER = (
+    "17 messages of id 180 have another definition (CRC_EXTRA 5) than CAMERA_FEEDBACK of upstream: "
+    "name the XML file of that one too: "
+)
 
 
 def frame(msgid: int, crc_extra: int, payload: bytes, seq: int, system: int = 1) -> bytes:
@@ -54,7 +57,7 @@ def test_convert_counts_them(
     out = tmp_path / "out"
     assert cli.main(["convert", str(vendor), "-o", str(out)]) == 0
     told = capsys.readouterr().err
-    assert f"left out: {OTHER}`--dialect upstream --dialect FILE.xml`\n" in told
+    assert f"left out: {OTHER}`--dialect FILE.xml --dialect upstream`\n" in told
     (row,) = json.loads((out / MANIFEST).read_text())["logs"]
     assert row["unknown"] == {KIND: 17}
 
@@ -92,7 +95,7 @@ def test_info_merges_the_kinds_of_an_id(tmp_path: Path) -> None:
 
 def test_read_and_scan_warn(vendor: Path) -> None:
     with pytest.warns(
-        UnknownMessageWarning, match=re.escape(OTHER + '`dialect=["upstream", "FILE.xml"]`')
+        UnknownMessageWarning, match=re.escape(OTHER + '`dialect=["FILE.xml", "upstream"]`')
     ):
         assert mavwire.read(vendor).keys() == {"HEARTBEAT"}
     with pytest.warns(UnknownMessageWarning, match="vendor.tlog"):
@@ -104,7 +107,7 @@ def test_info_says_which(vendor: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert info.unknown == {(180, 5): 17}
     assert info.types["UNKNOWN_180"].messages == 17
     assert cli.main(["info", str(vendor)]) == 0
-    assert f"{OTHER}`--dialect upstream --dialect FILE.xml`\n" in capsys.readouterr().out
+    assert f"{OTHER}`--dialect FILE.xml --dialect upstream`\n" in capsys.readouterr().out
     cli.main(["info", "--json", str(vendor)])
     assert json.loads(capsys.readouterr().out)["unknown"] == {KIND: 17}
 
@@ -148,14 +151,14 @@ def test_a_text_advises_by_kind(tmp_path: Path) -> None:
         (
             {(149, 15): 1},
             common,
-            "1 messages of id 149 have another definition (CRC_EXTRA 15) than LANDING_TARGET of common: "
+            "1 message of id 149 have another definition (CRC_EXTRA 15) than LANDING_TARGET of common: "
             + try_upstream,
         ),
         (
             {(0, 1): 1},
             both,
-            "1 messages of id 0 have another definition (CRC_EXTRA 1) than HEARTBEAT of vendor+upstream: "
-            "add it with `--dialect vendor.xml --dialect upstream --dialect FILE.xml`",
+            "1 message of id 0 have another definition (CRC_EXTRA 1) than HEARTBEAT of vendor+upstream: "
+            "name the XML file of that one too: `--dialect FILE.xml --dialect vendor.xml --dialect upstream`",
         ),
     ]:
         assert unknown_text(counts, module) == text
@@ -230,7 +233,7 @@ def test_a_later_dialect_decodes_the_table(
     assert "messages of id 180 have another definition" in told and "no telemetry" not in told
     assert cli.main([*again, "--dialect", str(dialect)]) == 0
     (row,) = json.loads((later / MANIFEST).read_text())["logs"]
-    assert row["files"] == {f"VENDOR_STATE/flight.{format}.parquet": 17}
+    assert row["files"] == {f"VENDOR_STATE/flight.parquet": 17}
     table_path = later / "VENDOR_STATE" / f"flight.{format}.parquet"
     table = pq.read_table(table_path).to_pylist()
     assert [row["number"] for row in table] == [*range(3, 20)]
@@ -259,9 +262,7 @@ def test_an_mcap_file_has_their_payloads(vendor: Path, tmp_path: Path) -> None:
 def test_a_users_definitions_go_beside_upstream(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Id 180 is CAMERA_FEEDBACK upstream, and another message in the user's definitions. A frame of the sender
-    is the evidence for the next ones.
-    """
+    """Id 180 is CAMERA_FEEDBACK upstream, and another message in the user's definitions."""
     dialect = tmp_path / "vendor.xml"
     dialect.write_text(VENDOR)
     mav, vendor = upstream.MAVLink(None, 1), dialects.load(dialect)
@@ -275,14 +276,14 @@ def test_a_users_definitions_go_beside_upstream(
         warnings.simplefilter("error")
         tables = mavwire.read(log, dialect=("upstream", dialect))
     assert {name: len(table) for name, table in tables.items()} == {
-        "VENDOR_STATE": 2, "CAMERA_FEEDBACK": 3
+        "VENDOR_STATE": 3, "CAMERA_FEEDBACK": 3
     }  # fmt: skip
     argv = ["convert", str(log), "-o", str(tmp_path / "out"), "--dialect", "upstream"]
     assert cli.main([*argv, "--dialect", str(dialect)]) == 0
     assert capsys.readouterr().err == ""
     assert (tmp_path / "out" / "VENDOR_STATE" / "flight.parquet").exists()
     copy = pickle.loads(pickle.dumps(mavwire.open_log(log, dialect=["upstream", dialect])))
-    assert len(list(copy)) == copy.info().count.messages == 5
+    assert len(list(copy)) == copy.info().count.messages == 6
 
 
 def test_commands_and_links_take_several_dialects(

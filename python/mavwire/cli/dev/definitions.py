@@ -37,6 +37,7 @@ from mavwire._atomic_file import replacing
 from mavwire._native import DefinitionError, Dialect, definition_sources, describe
 from mavwire._text import no_such_dialect
 from mavwire.cli._errors import CommandError, refused
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.dialects import UPSTREAM, _installed, _sources
 from mavwire.dialects._descriptions import installed_folder, stored_folder
 
@@ -49,9 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     show.add_argument(
         "name", help="its name in any letter case, a command without MAV_CMD_, or a message id"
     )
-    show.add_argument(
-        "--dialect", default=UPSTREAM, help="whose definitions (default: %(default)s)"
-    )
+    add_shared(show, "any_dialect")
     diff = actions.add_parser("diff", help="what was added, removed and changed between two sets")
     for name in ("old", "new"):
         diff.add_argument(name, help="a built-in dialect, an XML file or a folder of them")
@@ -121,8 +120,8 @@ def _clear(folder: Path) -> None:
         shutil.rmtree(folder)
 
 
-def show(name: str, dialect: str) -> str:
-    """What the dialect has under this name, as text."""
+def show(name: str, dialect: str | list[str]) -> str:
+    """What the dialect, or the first of several, has under this name, as text."""
     from mavwire import mavutil
     from mavwire.cli._reading import definitions
     from mavwire.cli.dev._definition_text import describe

@@ -106,7 +106,7 @@ def main(args: argparse.Namespace) -> int:
             failed += not row.skipped  # what is damaged is damaged for ever
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
             tell(f"mavwire convert: {row.path}: {row.error}{hint}")
-        if row.unknown and not row.skipped and args.unknown is None:
+        if row.unknown and args.unknown is None:
             text = unknown_text(counts_of(row.unknown), dialect_module(args.dialect))
             tell(f"mavwire convert: {row.path}: left out: {text}")
         nothing = not row.files and (row.error is not None or undescribed)

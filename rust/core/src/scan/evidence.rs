@@ -6,9 +6,10 @@
 //!
 //! | the frame | how many must agree, without another in between |
 //! |---|---|
+//! | a layout of a dialect that was merged into this one, as its user asked | 1 |
 //! | an id that the dialect lacks, directly behind a good frame or at the start, with a sane header | 1 |
 //! | such an id anywhere else: inside or behind junk, flags that nobody defined, system 0 | 2 of its id and sender |
-//! | a layout that the dialect knows beside the id's own ([`Registry::other`](crate::registry::Registry::other)) | 2 of its sender |
+//! | another layout that the dialect knows beside the id's own ([`Registry::other`](crate::registry::Registry::other)) | 2 of its sender |
 //! | an id that the dialect defines, with a `crc_extra` that it does not know | 4 of its id and sender |
 //!
 //! The same bytes again are no new evidence. A definition that was believed stays believed until frames agree on another one:

@@ -191,13 +191,15 @@ impl Switch {
         matches!(found, Found::Frame { entry: Some(_), .. })
     }
 
-    /// Looks for a good frame that the dialect knows in a datagram; without one, how many damaged ones it has.
-    pub(super) fn check_mavlink(&self, bytes: &[u8]) -> Result<(), u64> {
+    /// Looks for a good frame that the dialect knows in a datagram, or an unverified one if that will do; without one, how
+    /// many damaged ones it has.
+    pub(super) fn check_mavlink(&self, bytes: &[u8], unverified: bool) -> Result<(), u64> {
         let mut scanner = Scanner::new(Resync::Rescan);
+        scanner.accept_unverified = unverified;
         let (mut at, mut damaged) = (0, 0);
         loop {
             let (len, is_damaged) = match scanner.next(&bytes[at..], &self.registry) {
-                Found::Frame { entry: Some(_), .. } => return Ok(()),
+                Found::Frame { entry, .. } if unverified || entry.is_some() => return Ok(()),
                 Found::Frame { len, .. } | Found::Noise { len } => (len, false),
                 Found::Rejected { len, .. } => (len, true),
                 Found::Incomplete { .. } => return Err(damaged),
