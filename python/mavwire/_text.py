@@ -18,6 +18,9 @@ _CONTROLS = {
 } | {code: f"\\u{code:04x}" for code in _BIDIRECTIONAL}
 _CONTROLS_WITHIN_LINES = {code: text for code, text in _CONTROLS.items() if code != ord("\n")}
 
+OTHER_TEXT = "convert it first: iconv -f UTF-16 -t UTF-8 in.log > out.log, or tr '\\r' '\\n' < in.log > out.log"
+"""Advice for text logs in UTF-16, or with carriage returns alone."""
+
 
 def cannot_write(path: str, suffixes: Sequence[str]) -> str:
     """The error text for a file whose suffix names no format."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from contextlib import ExitStack
+from codecs import BOM_UTF8
 
 from mavwire import _native
+from mavwire._text import OTHER_TEXT
 
 from .reader import DFReader
 
@@ -21,21 +22,7 @@ KEY_LEN = 4
 def DFReader_is_text_log(filename: str) -> bool:
     """Whether the head of a file has a FMT line."""
     with open(filename, "rb") as file:
-        return b"FMT," in _native.head_to_utf8(file.read(PROBE))
-
-
-def _plain(filename: str, until: ExitStack) -> str:
-    """The path of a text log, or that of a copy in UTF-8 with line feeds, which is removed by `until`."""
-    with open(filename, "rb") as file:
-        head = file.read(PROBE)
-    if _native.head_to_utf8(head) == head:
-        return filename
-    import tempfile  # which takes time to load
-
-    made = tempfile.TemporaryDirectory(prefix="mavwire-", ignore_cleanup_errors=True)
-    copy = os.path.join(until.enter_context(made), "log")
-    _native.decompress(os.fsdecode(filename), copy)
-    return copy
+        return b"FMT," in file.read(PROBE)
 
 
 class DFReader_text(DFReader):
@@ -49,9 +36,10 @@ class DFReader_text(DFReader):
     ) -> None:
         super().__init__()
         self._zero_time_base = zero_time_base
-        with ExitStack() as at_end:
-            self._open_log(_plain(filename, at_end), text=True)
-            self._at_end = at_end.pop_all()
+        if _native.identify(os.fsdecode(filename)) is _native.LogKind.OTHER_TEXT:
+            is_what = "a text log in UTF-16 or with carriage returns alone"
+            raise ValueError(f"{is_what}; {OTHER_TEXT}: {filename!r}")
+        self._open_log(filename, text=True)
         self.delimiter = self._delimiter()
         self.init_arrays(progress_callback)
         self.init_clock()
@@ -66,11 +54,6 @@ class DFReader_text(DFReader):
         counts, self._count = self._lines()
         self.counts = dict(counts)
 
-    def close(self) -> None:
-        """Close the file, and remove the copy of a log that is not in UTF-8 with line feeds."""
-        super().close()
-        self._at_end.close()
-
     @property
     def offsets(self) -> dict[str, list[int]]:
         """Offsets of the lines, by the keys of `counts`."""
@@ -83,7 +66,8 @@ class DFReader_text(DFReader):
         start = 0
         self.data_map.seek(0)
         while line := self.data_map.readline():
-            found = of_bytes.get(line[:KEY_LEN].partition(b",")[0].rstrip(b"\n"))
+            key = line.removeprefix(BOM_UTF8)[:KEY_LEN]
+            found = of_bytes.get(key.partition(b",")[0].rstrip(b"\n"))
             if found is not None and line.strip():
                 found.append(start)
             start += len(line)

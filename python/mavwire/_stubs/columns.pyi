@@ -23,7 +23,6 @@ __all__ = [
     "decompress",
     "draft_stem",
     "empty_table",
-    "head_to_utf8",
     "identify",
     "jump_text",
     "log_summary",
@@ -268,6 +267,8 @@ class LogKind:
     DATAFLASH_TEXT: Final[LogKind]
     HEADERLESS: Final[LogKind]
     """Records of a binary dataflash log that are not described as far as was looked."""
+    OTHER_TEXT: Final[LogKind]
+    """A dataflash log as text in UTF-16, or with carriage returns alone."""
     GZIP: Final[LogKind]
     ZSTD: Final[LogKind]
     ZIP: Final[LogKind]
@@ -286,9 +287,6 @@ class LogKind:
 
 def identify(log: _Log, unpack: bool = False) -> LogKind:
     """What kind of log a file is; with `unpack`, what is in it if it is compressed."""
-
-def head_to_utf8(head: bytes) -> bytes:
-    """The start of a text log as UTF-8 with line feeds; other bytes as they are."""
 
 def empty_table(dialect: Dialect, msgid: int, query: Selection) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""

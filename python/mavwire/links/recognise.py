@@ -54,6 +54,8 @@ def log_kind(device: str, readonly: bool) -> LogKind | None:
     kind = kind_of(device)
     if kind is LogKind.TLOG or (readonly and (kind.is_telemetry or kind.is_dataflash)):
         return LogKind.DATAFLASH if kind is LogKind.HEADERLESS else kind
+    if readonly and kind is LogKind.OTHER_TEXT:
+        return LogKind.DATAFLASH_TEXT  # its reader tells how to convert the log
     lower = device.lower()
     if lower.endswith(DATAFLASH_SUFFIXES):
         return LogKind.DATAFLASH

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mavwire._native import LogKind
+from mavwire._text import OTHER_TEXT
 
 COMPRESSED = frozenset((LogKind.GZIP, LogKind.ZSTD))
 _TABLES = "open_log and mavwire convert read those"
@@ -11,6 +12,7 @@ _OTHERS = {
     LogKind.DATAFLASH: ("dataflash log", _TABLES),
     LogKind.DATAFLASH_TEXT: ("dataflash text log", _TABLES),
     LogKind.HEADERLESS: ("dataflash log", _TABLES),
+    LogKind.OTHER_TEXT: ("text log in UTF-16 or with carriage returns alone", OTHER_TEXT),
     LogKind.GZIP: ("gzip file", _AGAIN),
     LogKind.ZSTD: ("zstd file", _AGAIN),
     LogKind.ZIP: ("ZIP archive", "unpack it first"),

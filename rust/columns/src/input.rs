@@ -8,7 +8,6 @@ use mavwire_core::registry::Registry;
 use crate::gzip::Members;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
-use crate::text_encoding::to_utf8;
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
 const BLOCK: usize = 4 << 20;
@@ -47,7 +46,7 @@ impl Steps {
     }
 }
 
-/// Decompresses gzip and zstd, recognised by their first bytes, and converts text logs of other encodings to UTF-8.
+/// Decompresses gzip and zstd, recognised by their first bytes.
 ///
 /// # Errors
 /// What reading says.
@@ -55,11 +54,11 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
-    Ok(to_utf8(match kind::compression(&magic) {
+    Ok(match kind::compression(&magic) {
         Some(Kind::Gzip) => Box::new(Members::new(whole)),
         Some(_) => Box::new(zstd::stream::read::Decoder::new(whole)?),
         _ => Box::new(whole),
-    }))
+    })
 }
 
 /// As much of the start of a log as tells its kind. What was read before an error is given in its place.
@@ -82,7 +81,7 @@ fn head_of(mut source: impl Read) -> io::Result<Vec<u8>> {
 /// # Errors
 /// What reading says.
 pub fn identify(source: Box<dyn Read + Send>) -> io::Result<Kind> {
-    Ok(kind::identify(&head_of(to_utf8(source))?))
+    Ok(kind::identify(&head_of(source)?))
 }
 
 /// What kind of log is in a source, which may be compressed. What is damaged further on is still what it is.

@@ -36,7 +36,6 @@ mod sequence;
 pub mod summary;
 pub mod table;
 mod tables;
-pub mod text_encoding;
 pub mod units;
 pub mod unknown;
 pub mod unknown_table;

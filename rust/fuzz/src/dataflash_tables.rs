@@ -10,7 +10,6 @@ use mavwire_columns::error::Error;
 use mavwire_columns::input::{Steps, identify_content};
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::{Limits, Plan};
-use mavwire_columns::text_encoding::head_to_utf8;
 use mavwire_core::codec::Number;
 use mavwire_core::log::dataflash::text::decode_line;
 use mavwire_core::log::dataflash::{
@@ -66,9 +65,7 @@ pub(crate) fn in_any_steps(
     let options = Options { si: input.byte() & 1 == 1, ..Options::default() };
     let (steps, limits) = (small_steps(input, 256), small_limits(input));
     let bytes = log(std::mem::take(input));
-    let plain = head_to_utf8(&bytes);
-    assert!(plain.len() <= 2 * bytes.len());
-    if looks_compressed(&bytes) || plain != bytes {
+    if looks_compressed(&bytes) {
         return None;
     }
     let survey = on_threads(true, || surveyed(Steps::default(), &bytes));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use mavwire_core::frame::FrameRef;
-use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, trimmed};
+use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, mark_len, trimmed};
 use mavwire_core::log::dataflash::{Definitions, RecordEntry, index};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN};
 use mavwire_io::dataflash::DataflashFile;
@@ -127,8 +127,9 @@ fn binary(path: &Path, chunk: usize, bytes: &[u8]) {
 
 /// A place and a line without its end; the bytes are looked at line by line.
 fn lines(bytes: &[u8], longest: usize) -> Vec<(u64, &[u8])> {
-    let (mut lines, mut at) = (Vec::new(), 0);
-    for line in bytes.split(|&byte| byte == b'\n') {
+    let (mut lines, mark) = (Vec::new(), mark_len(bytes));
+    let mut at = mark as u64;
+    for line in bytes[mark..].split(|&byte| byte == b'\n') {
         let text = trimmed(line);
         if line.len() < longest && !text.is_empty() {
             lines.push((at, text));

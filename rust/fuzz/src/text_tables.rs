@@ -4,7 +4,7 @@ use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
 use mavwire_columns::arrow::datatypes::TimestampMicrosecondType;
 use mavwire_columns::dataflash::{Form, Survey};
 use mavwire_core::log::dataflash::text::{
-    MAX_LINE_LEN, TextDefinitions, decode_line, nth_value, number, trimmed,
+    MAX_LINE_LEN, TextDefinitions, decode_line, mark_len, nth_value, number, trimmed,
 };
 use mavwire_core::log::dataflash::{FieldKind, Layout, whole};
 
@@ -52,8 +52,9 @@ fn one_by_one<'a>(
     bytes: &'a [u8],
 ) -> (Vec<Record<'a>>, u64) {
     let mut newest = survey.clock.map_or(0, |clock| clock.first);
-    let (mut records, mut bad, mut at) = (Vec::new(), 0, 0);
-    for with_end in bytes.split_inclusive(|&byte| byte == b'\n') {
+    let mark = mark_len(bytes);
+    let (mut records, mut bad, mut at) = (Vec::new(), 0, mark as u64);
+    for with_end in bytes[mark..].split_inclusive(|&byte| byte == b'\n') {
         let whole_line = with_end.strip_suffix(b"\n").unwrap_or(with_end);
         let line = trimmed(whole_line);
         let is_ended = whole_line.len() < with_end.len();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::Layout;
 use mavwire_core::log::dataflash::text::{
-    Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, trimmed,
+    Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, mark_len, trimmed,
 };
 
 use crate::log_contents::Entry;
@@ -124,7 +124,10 @@ impl TextLogFile {
         self.lines
     }
 
-    fn line_at(&mut self, offset: u64) -> io::Result<Option<Line>> {
+    fn line_at(&mut self, mut offset: u64) -> io::Result<Option<Line>> {
+        if offset == 0 {
+            offset = mark_len(self.window.at(0, self.longest)?) as u64;
+        }
         if offset >= self.len {
             return Ok(None);
         }

@@ -122,7 +122,7 @@ mod _native {
     #[pymodule_export]
     use crate::tables::dates::{date_text, jump_text};
     #[pymodule_export]
-    use crate::tables::decompress::{decompress, draft_stem, head_to_utf8};
+    use crate::tables::decompress::{decompress, draft_stem};
     #[pymodule_export]
     use crate::tables::identify::{LogKind, identify};
     #[pymodule_export]

@@ -1,9 +1,8 @@
-"""Text logs with a byte order mark, in UTF-16, or with carriage returns alone are read as any other."""
+"""Text logs with a byte order mark are read as any other. Those in UTF-16 or with carriage returns alone are refused."""
 
 from __future__ import annotations
 
 import gzip
-import tempfile
 from pathlib import Path
 
 import mavwire
@@ -25,6 +24,8 @@ WRITTEN = {
     "plain": TEXT.encode(),
     "mark": (MARK + TEXT).encode(),
     "windows": (MARK + TEXT).replace("\n", "\r\n").encode(),
+}
+REFUSED = {
     "little": (MARK + TEXT).replace("\n", "\r\n").encode("utf-16-le"),
     "big": (MARK + TEXT).encode("utf-16-be"),
     "returns": TEXT.replace("\n", "\r").encode(),
@@ -57,28 +58,23 @@ def test_messages(log):
                 assert found[0].startswith("FMT {Type : 1, ")
                 reader.rewind()
             assert reader.last_timestamp() == 5.5
-            assert bytes(reader.data_map[:5]) == b"FMT, "
+            assert [len(found) for found in reader.offsets.values()] == [3, 2, 1]
 
 
-def test_the_copy_is_removed_once_nothing_has_it_open(tmp_path, monkeypatch):
-    """Windows removes no file that is open."""
-    log = tmp_path / "flight.log"
-    log.write_bytes(WRITTEN["little"])
-    removals = []
-
-    class Folder(tempfile.TemporaryDirectory):
-        def cleanup(self):
-            removals.append((reader.filehandle.closed, reader.data_map.closed))
-            super().cleanup()
-
-        def __exit__(self, *exception):
-            self.cleanup()
-
-    monkeypatch.setattr(tempfile, "TemporaryDirectory", Folder)
-    with DFReader_text(str(log)) as reader:
-        copy = Path(reader.filehandle.name)
-        assert copy != log and copy.is_file() and reader.data_map
-    assert removals == [(True, True)] and not copy.parent.exists()
+@pytest.mark.parametrize("written", sorted(REFUSED))
+@pytest.mark.parametrize("name", ["flight.log", "flight.txt"])
+def test_other_encodings_are_refused_with_advice(tmp_path, capsys, written, name):
+    """pymavlink finds no messages in them."""
+    path = tmp_path / name
+    path.write_bytes(REFUSED[written])
+    for read in (DFReader_text, mavutil.mavlink_connection, mavwire.read):
+        with pytest.raises(ValueError, match=r"carriage returns alone.*iconv -f UTF-16") as told:
+            read(str(path))
+        assert name in str(told.value)
+    [row] = convert([path], tmp_path / "out")
+    assert "iconv -f UTF-16" in row.error
+    assert cli.main(["info", str(path)]) != 0
+    assert "iconv -f UTF-16" in capsys.readouterr().err
 
 
 def test_tables(log, tmp_path, capsys):

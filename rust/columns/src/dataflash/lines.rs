@@ -1,12 +1,14 @@
 //! The lines of a text log, block by block.
 
-use mavwire_core::log::dataflash::text::{MAX_LINE_LEN, trimmed};
+use mavwire_core::log::dataflash::text::{MAX_LINE_LEN, mark_len, trimmed};
 
 /// Splits blocks into lines; one that is longer than anything that is read is passed over.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lines {
     /// Within a line that is too long.
     within: bool,
+    /// The start of the log was seen.
+    is_begun: bool,
 }
 
 /// A line of a block.
@@ -31,6 +33,7 @@ impl Lines {
         let mut at = 0;
         while at < block.len() {
             let rest = &block[at..];
+            let mark = if self.is_begun { 0 } else { mark_len(rest) };
             let found = memchr::memchr(b'\n', rest);
             let len = found.unwrap_or(rest.len());
             let is_ended = found.is_some();
@@ -38,10 +41,11 @@ impl Lines {
                 break;
             }
             let is_short = !self.within && len < MAX_LINE_LEN;
-            let bytes = is_short.then(|| trimmed(&rest[..len]));
+            let bytes = is_short.then(|| trimmed(&rest[mark..len]));
             let bytes = bytes.filter(|bytes| is_ended || bytes.is_empty());
             let next = at + len + usize::from(is_ended);
-            line(Line { at, next, bytes });
+            line(Line { at: at + mark, next, bytes });
+            self.is_begun = true;
             self.within = !is_ended;
             at = next;
         }

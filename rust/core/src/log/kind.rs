@@ -37,6 +37,8 @@ const TEXT_START: usize = 8000;
 const TEXT_SHARE: usize = 2;
 /// What describes a record in a text log.
 const TEXT: &[u8] = b"FMT,";
+/// The same in UTF-16 of either byte order, but for a byte.
+const UTF16_TEXT: &[u8] = b"F\0M\0T\0,";
 /// How binary logs begin: with the description of descriptions.
 const BINARY: &[u8] = &[HEAD[0], HEAD[1], FMT_TYPE];
 /// Descriptions in a binary log that lacks its first bytes.
@@ -80,6 +82,8 @@ pub enum Kind {
     DataflashText,
     /// Records of a binary dataflash log that are not described as far as was looked.
     Headerless,
+    /// A dataflash log as text in UTF-16, or with carriage returns alone. No reader takes it.
+    OtherText,
     /// Compressed with gzip.
     Gzip,
     /// Compressed with zstd.
@@ -217,7 +221,7 @@ fn frame_len(frame: &[u8]) -> Option<usize> {
 fn is_cut_off(head: &[u8]) -> bool {
     let is_binary = head.len() < FMT_LAYOUT_LEN && begin_alike(head, BINARY);
     let is_line = || head.len() < TEXT_START && memchr::memchr(b'\n', head).is_none();
-    is_binary || begin_alike(head, TEXT) && is_line()
+    is_binary || begin_alike(head, TEXT) && is_line() && !has_returns(head)
 }
 
 fn begin_alike(head: &[u8], start: &[u8]) -> bool {
@@ -249,19 +253,31 @@ fn of_dataflash(window: &[u8]) -> Option<Kind> {
     definitions.collect(window, 0);
     match window {
         _ if definitions.layouts().len() > ENOUGH_LAYOUTS => Some(Kind::Dataflash),
-        _ if begins_as_text(window) => Some(Kind::DataflashText),
+        _ if begins_as_text(window) => {
+            Some(if has_returns(window) { Kind::OtherText } else { Kind::DataflashText })
+        }
         _ if headerless::is_in(window) => Some(Kind::Headerless),
         _ => None,
     }
 }
 
 /// Whether a text log begins with these bytes: with a description, or with text in which one is.
-pub fn begins_as_text(head: &[u8]) -> bool {
+fn begins_as_text(head: &[u8]) -> bool {
     let start = &head[..head.len().min(TEXT_START)];
     let is_other = |byte: &&u8| !matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n');
     start.starts_with(TEXT)
         || memmem::find(start, TEXT).is_some()
             && start.iter().filter(is_other).count() * TEXT_SHARE <= start.len()
+}
+
+/// Whether carriage returns alone end the lines of a text.
+fn has_returns(text: &[u8]) -> bool {
+    let lines = text.strip_suffix(b"\r").unwrap_or(text);
+    memchr::memchr(b'\n', lines).is_none() && memchr::memchr(b'\r', lines).is_some()
+}
+
+fn is_utf16(head: &[u8]) -> bool {
+    memmem::find(&head[..head.len().min(TEXT_START)], UTF16_TEXT).is_some()
 }
 
 /// The kind of a file without a sign of a log.
@@ -270,6 +286,7 @@ fn of_nothing_found(head: &[u8]) -> Kind {
     match other {
         Some(&(_, kind)) => kind,
         None if begins_with_frames(head) => Kind::Raw,
+        None if is_utf16(head) => Kind::OtherText,
         None if is_within_record(head) => Kind::Cut,
         None => Kind::Unknown,
     }

@@ -1,13 +1,11 @@
 //! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; and what files are called until they
 //! are complete.
 
-use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
 use mavwire_columns::input::Blocks;
-use mavwire_columns::text_encoding;
 use mavwire_io::files::{self, Draft};
 use pyo3::prelude::*;
 
@@ -30,12 +28,6 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> Result<
         draft.commit()?;
         Ok(blocks.damage().map(str::to_owned))
     })
-}
-
-/// The start of a text log as UTF-8 with line feeds; other bytes as they are.
-#[pyfunction]
-pub(crate) fn head_to_utf8(head: &[u8]) -> Cow<'static, [u8]> {
-    Cow::Owned(text_encoding::head_to_utf8(head))
 }
 
 /// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.

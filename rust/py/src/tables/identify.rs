@@ -41,7 +41,7 @@ macro_rules! log_kinds {
 }
 
 log_kinds! {
-    Cut, Tlog, Raw, Dataflash, DataflashText, Headerless, Gzip, Zstd, Zip, Program, Ulog, Png, Pcap, Sqlite, Unknown
+    Cut, Tlog, Raw, Dataflash, DataflashText, Headerless, OtherText, Gzip, Zstd, Zip, Program, Ulog, Png, Pcap, Sqlite, Unknown
 }
 
 /// The kind of the log in a source, which may be compressed.

@@ -56,6 +56,12 @@ const MAX_NAME_LEN: usize = 64;
 /// Bytes of the names of all columns of a type at most; binary logs have 64.
 const MAX_COLUMN_NAMES_LEN: usize = 16 * MAX_COLUMNS;
 
+/// Bytes of UTF-8's byte order mark in front of a line, which Windows programs put at the start of a text.
+pub fn mark_len(line: &[u8]) -> usize {
+    const MARK: &[u8] = b"\xEF\xBB\xBF";
+    if line.starts_with(MARK) { MARK.len() } else { 0 }
+}
+
 /// A line without the white space at its end.
 ///
 /// The delimiter behind `FMT, 10, 3, STRT, ` or behind a name alone stays: the types of such lines have no fields.

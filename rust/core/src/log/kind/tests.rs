@@ -77,6 +77,21 @@ fn frames_of_other_definitions_are_a_raw_stream() {
 }
 
 #[test]
+fn texts_that_no_reader_takes_are_told_apart() {
+    let text = String::from_utf8(text()).expect("a text");
+    let utf16: Vec<u16> = format!("\u{feff}{text}").encode_utf16().collect();
+    let logs = [
+        text.replace('\n', "\r").into_bytes(),
+        utf16.iter().flat_map(|unit| unit.to_le_bytes()).collect(),
+        utf16.iter().flat_map(|unit| unit.to_be_bytes()).collect(),
+    ];
+    for log in logs {
+        assert_eq!(identify(&log), Kind::OtherText);
+    }
+    assert_eq!(identify(format!("\u{feff}{text}").as_bytes()), Kind::DataflashText);
+}
+
+#[test]
 fn damage_in_front_changes_no_kind() {
     let logs = [
         (tlog(V1, 3000), Kind::Tlog),
