@@ -5,6 +5,13 @@ use std::io;
 /// What one read takes at most.
 pub const READ_SIZE: usize = 64 * 1024;
 
+/// The flag of a send by which the end of a connection is an error, even in a program that restored SIGPIPE. Systems
+/// without it have 0.
+#[cfg(target_os = "linux")]
+pub const NO_SIGNAL: i32 = libc::MSG_NOSIGNAL;
+#[cfg(not(target_os = "linux"))]
+pub const NO_SIGNAL: i32 = 0;
+
 thread_local! {
     static SCRATCH: std::cell::RefCell<Vec<u8>> = const { std::cell::RefCell::new(Vec::new()) };
 }

@@ -22,6 +22,5 @@ pub mod peers;
 pub mod progress;
 pub mod readiness;
 pub mod records;
-pub mod sigpipe;
 pub mod text_log;
 pub mod window;

@@ -28,7 +28,6 @@ from mavwire.links import signing
 from mavwire.links.link_ids import section
 from mavwire.links.signing import prepared
 from mavwire.links.timestamp_store import TimestampStore
-from unit.faults import python
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -346,42 +345,6 @@ def test_who_interrupts_the_end_of_a_child_does_not_wait_for_it() -> None:
         link.close()
     assert link.child.returncode == -signal.SIGKILL
     assert (link.child.stdin.closed, link.child.stdout.closed) == (True, True)
-
-
-def test_sigpipe_is_not_held_back_after_interrupts(interrupted: Any) -> None:
-    """By programs that let it end them."""
-    link, peer = tcp_link()
-    reader = Reader(peer.fileno())
-    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    interrupted(lambda: link.mav.heartbeat_send(6, 8, 0, 0, 0))
-    held_back = signal.pthread_sigmask(signal.SIG_BLOCK, [])
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGPIPE])
-    signal.signal(signal.SIGPIPE, before)
-    link.close()
-    reader.end()
-    peer.close()
-    assert signal.SIGPIPE not in held_back
-
-
-def test_a_system_that_cannot_leave_out_sigpipe_is_asked_once() -> None:
-    program = """
-import socket
-asked = []
-def missing(name):
-    asked.append(name)
-    raise AttributeError(name)
-vars(socket).pop("MSG_NOSIGNAL", None)
-socket.__getattr__ = missing
-from mavwire._native import StreamWriter
-one, other = socket.socketpair()
-writer = StreamWriter()
-for _ in range(3):
-    writer.write(one, b"frame")
-assert other.recv(100) == b"frame" * 3
-print(asked.count("MSG_NOSIGNAL"))
-"""
-    done = python(program)
-    assert (done.stdout.strip(), done.stderr) == ("1", "")
 
 
 def test_a_turn_is_had_by_one() -> None:

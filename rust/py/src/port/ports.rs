@@ -1,12 +1,10 @@
 //! Ports as links use them.
 
 use std::io;
-use std::sync::OnceLock;
 use std::time::Duration;
 
-use mavwire_io::bytes::{read_some, write_some};
+use mavwire_io::bytes::{NO_SIGNAL, read_some, write_some};
 use mavwire_io::readiness;
-use mavwire_io::sigpipe::HeldBack;
 use pyo3::exceptions::{
     PyBlockingIOError, PyBrokenPipeError, PyInterruptedError, PyOSError, PyValueError,
 };
@@ -21,8 +19,6 @@ const EPIPE: i32 = 32;
 
 static STRERROR: Known = Known::new("os", "strerror");
 static SOCKET: Known = Known::new("socket", "socket");
-/// `socket.MSG_NOSIGNAL`, where the system has it.
-static NO_SIGNAL: OnceLock<Option<Py<PyAny>>> = OnceLock::new();
 
 /// Closes a port. Where that is an error the system has let go of the descriptor all the same.
 pub(crate) fn close_port(port: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -32,34 +28,17 @@ pub(crate) fn close_port(port: &Bound<'_, PyAny>) -> PyResult<()> {
     }
 }
 
-/// `port.send(data)`, or `None` where it would have to wait, without the signal that ends programs which write to a closed
-/// connection.
+/// `port.send(data)`, or `None` where it would have to wait. A socket raises no SIGPIPE on Linux.
 pub(crate) fn send<'py>(
     port: &Bound<'py, PyAny>,
     data: &Bound<'py, PyAny>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     let (py, name) = (port.py(), intern!(port.py(), "send"));
-    if port.get_type().is(SOCKET.get(py)?)
-        && let Some(no_signal) = no_signal(py)?
-    {
-        return unless_full(py, port.invoke_method1(name, (data, no_signal)));
-    }
-    let _held_back = HeldBack::default();
-    unless_full(py, port.invoke_method_with(name, data))
-}
-
-fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
-    if let Some(known) = NO_SIGNAL.get() {
-        return Ok(known.as_ref());
-    }
-    let found = py.import(intern!(py, "socket"))?.getattr_opt(intern!(py, "MSG_NOSIGNAL"))?;
-    Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
-}
-
-fn unless_full<'py>(
-    py: Python<'py>,
-    sent: PyResult<Bound<'py, PyAny>>,
-) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let sent = if port.get_type().is(SOCKET.get(py)?) {
+        port.invoke_method1(name, (data, NO_SIGNAL))
+    } else {
+        port.invoke_method_with(name, data)
+    };
     match sent {
         Err(error)
             if error.is_instance_of::<PyBlockingIOError>(py)
