@@ -89,6 +89,7 @@ class DFReader(_native.DataflashReader):
         self._data_map: Any = None
         self._layouts: list[DFFormat] = []
         self._last_offset: int | None = None
+        self._told_clock: tuple[str, int | None, float] = ("rates", None, 0.0)
         self.messages = {"MAV": self, "__MAV__": self}
 
     # -- opening
@@ -119,6 +120,7 @@ class DFReader(_native.DataflashReader):
                 fmt.set_mult_ids(mult_ids, self.mult_lookup)
         self._set_kinds([(fmt, self._instance_index(fmt)) for fmt in self._layouts])
         self._last_offset = contents["last"]
+        self._told_clock = contents["clock"]
         self.junk_bytes: int = contents["junk"]
         self._rewind()
         self._read_first(contents)
@@ -208,7 +210,7 @@ class DFReader(_native.DataflashReader):
 
     def init_clock(self) -> None:
         """Find out which clock the log has, and its time base."""
-        unit, told_at, first = self._find_clock()
+        unit, told_at, first = self._told_clock
         self._rewind(keep_messages=True)
         if unit == "usec":
             self.init_clock_usec()

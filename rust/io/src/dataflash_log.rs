@@ -98,12 +98,24 @@ impl DataflashLog {
         let is_time = |column: &String| matches!(column.as_str(), "TimeUS" | "TimeMS");
         let is_timed = |layout: &Arc<Layout>| layout.columns.iter().any(is_time);
         let timed: Vec<bool> = layouts.iter().map(is_timed).collect();
+        let wanted = |clock: &ClockFinder| -> Vec<bool> {
+            layouts.iter().map(|layout| !clock.is_settled() && clock.wants(layout)).collect()
+        };
         let mut tally = LogContents::new(&layouts, units);
         let (mut record_bytes, mut last_timed) = (0, None);
+        let mut clock = ClockFinder::default();
+        let mut telling = wanted(&clock);
         self.each(progress, |entry, bytes| {
             record_bytes += entry.next - entry.offset;
             if timed[entry.layout] {
                 last_timed = Some(entry.offset);
+            }
+            if telling[entry.layout] {
+                let layout = &*layouts[entry.layout];
+                let record = Record { layout, bytes, delimiter };
+                if clock.add(layout, entry.offset, |index| record.number(index)) {
+                    telling = wanted(&clock);
+                }
             }
             tally.add(entry, bytes, delimiter);
         })?;
@@ -111,6 +123,7 @@ impl DataflashLog {
             None => tally.contents.junk = self.size() - record_bytes,
             Some(_) => tally.contents.last = last_timed.or(tally.contents.last),
         }
+        tally.contents.clock = clock;
         Ok(tally.finish())
     }
 
@@ -129,35 +142,6 @@ impl DataflashLog {
             }
         }
         tell(progress, self.size())
-    }
-
-    /// Goes through the log up to the record that tells when it began. `progress` is that of [`Self::contents`].
-    ///
-    /// # Errors
-    /// Those of [`Self::contents`].
-    pub fn find_clock(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<ClockFinder> {
-        let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
-        let wanted = |finder: &ClockFinder| -> Vec<bool> {
-            layouts.iter().map(|layout| finder.wants(layout)).collect()
-        };
-        let mut finder = ClockFinder::default();
-        let (mut at, mut telling) = (0, wanted(&finder));
-        while !finder.is_settled() {
-            let entry = match self.step(&mut at, Some(&telling), &mut { BUDGET })? {
-                Step::Found(entry) => entry,
-                Step::Paused => {
-                    tell(progress, at)?;
-                    continue;
-                }
-                Step::End => break,
-            };
-            let (layout, bytes) = (&*layouts[entry.layout], self.bytes(entry));
-            let record = Record { layout, bytes, delimiter };
-            if finder.add(layout, entry.offset, |index| record.number(index)) {
-                telling = wanted(&finder);
-            }
-        }
-        Ok(finder)
     }
 
     /// Offsets of all records, by layout. `progress` is that of [`Self::contents`].
@@ -247,11 +231,11 @@ mod tests {
 
     #[test]
     fn the_clock_is_that_of_the_first_record_that_tells_it() {
-        let finder = log("clock").find_clock(&mut |_| true).expect("a clock");
-        let told = finder.told().expect("a record");
+        let clock = log("clock").contents(&mut |_| true).expect("a log").clock;
+        let told = clock.told().expect("a record");
         let at = TEXT.find("GPS, 7000").expect("the record") as u64;
         assert_eq!((told.unit, told.at), (ClockUnit::Micros, at));
-        let clock = finder.finish().expect("a clock");
+        let clock = clock.finish().expect("a clock");
         assert_eq!(clock.first - clock.base, 4000);
     }
 

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
-use mavwire_core::log::dataflash::{Layout, Record, Units};
+use mavwire_core::log::dataflash::{ClockFinder, Layout, Record, Units};
 
 /// Instances whose first record is remembered at most.
 const MAX_INSTANCES: usize = 8192;
@@ -37,6 +37,8 @@ pub struct Contents {
     pub junk: u64,
     /// The units of the fields.
     pub units: Units,
+    /// What the records tell about the clock.
+    pub clock: ClockFinder,
 }
 
 /// Adds up.
@@ -62,6 +64,7 @@ impl<'a> LogContents<'a> {
             last: None,
             junk: 0,
             units,
+            clock: ClockFinder::default(),
         };
         let field = |layout: &Arc<Layout>| (contents.units.instance_field(layout), 0);
         let instance = layouts.iter().map(field).collect();

@@ -5,8 +5,8 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::ClockUnit;
 use mavwire_core::log::dataflash::text::Delimiter;
+use mavwire_core::log::dataflash::{ClockFinder, ClockUnit};
 use mavwire_io::dataflash_log::{BUDGET, Contents, DataflashLog, Step};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -215,7 +215,8 @@ impl DataflashReader {
 
     /// Goes through the log and returns what is in it: `counts` and `first` by layout, offsets of the first message of
     /// each of the `instances`, offset of the `last` record, bytes of `junk`, and the units: `labels`, `multipliers`,
-    /// and (unit ids, multiplier ids) of `fields`. `progress` is called with each new whole percent.
+    /// and (unit ids, multiplier ids) of `fields`. `clock` is the unit of the log's clock, the offset of the record that
+    /// tells its zero, and the first time in the unit. `progress` is called with each new whole percent.
     fn _contents<'py>(
         &self,
         py: Python<'py>,
@@ -247,21 +248,6 @@ impl DataflashReader {
     fn _set_native_clock(&self, py: Python<'_>, clock: Option<Py<MicrosClock>>) {
         let before = std::mem::replace(&mut self.state.lock(py).clock, clock);
         drop(before);
-    }
-
-    /// The unit of the log's clock, the offset of the record that tells its zero, and the first time in the unit.
-    fn _find_clock(&self, py: Python<'_>) -> PyResult<(&'static str, Option<u64>, f64)> {
-        let finder = self.walk(py, None, |log, tell| log.find_clock(tell))?;
-        let (told, clock) = (finder.told(), finder.finish());
-        let unit = told.map(|told| told.unit).or(clock.map(|clock| clock.unit));
-        let first = clock.map_or(0, |clock| clock.first.saturating_sub(clock.base)) as f64;
-        let (name, first) = match unit {
-            Some(ClockUnit::Micros) => ("usec", first),
-            Some(ClockUnit::Millis) => ("msec", first / 1e3),
-            Some(ClockUnit::Start) => ("px4", first),
-            Some(ClockUnit::Rates) | None => ("rates", 0.0),
-        };
-        Ok((name, told.map(|told| told.at), first))
     }
 
     /// The text between values of a text log.
@@ -439,6 +425,19 @@ impl DataflashReader {
     }
 }
 
+fn clock_of(finder: &ClockFinder) -> (&'static str, Option<u64>, f64) {
+    let (told, clock) = (finder.told(), finder.clone().finish());
+    let unit = told.map(|told| told.unit).or(clock.map(|clock| clock.unit));
+    let first = clock.map_or(0, |clock| clock.first.saturating_sub(clock.base)) as f64;
+    let (name, first) = match unit {
+        Some(ClockUnit::Micros) => ("usec", first),
+        Some(ClockUnit::Millis) => ("msec", first / 1e3),
+        Some(ClockUnit::Start) => ("px4", first),
+        Some(ClockUnit::Rates) | None => ("rates", 0.0),
+    };
+    (name, told.map(|told| told.at), first)
+}
+
 fn as_dict<'py>(py: Python<'py>, contents: &Contents) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("counts", &contents.counts)?;
@@ -446,6 +445,7 @@ fn as_dict<'py>(py: Python<'py>, contents: &Contents) -> PyResult<Bound<'py, PyD
     dict.set_item("instances", &contents.instances)?;
     dict.set_item("last", contents.last)?;
     dict.set_item("junk", contents.junk)?;
+    dict.set_item("clock", clock_of(&contents.clock))?;
     let units = &contents.units;
     dict.set_item("labels", &units.labels)?;
     dict.set_item("multipliers", &units.multipliers)?;
