@@ -138,8 +138,8 @@ class LiveLink(Link):
     @property
     def peers_forgotten(self) -> int:
         """Peers that had to make room for others."""
-    def _raise_read_error(self, port: Any) -> None:
-        """Raises the error with which reading `port` natively ended; the system does not say it again."""
+    def _raise_read_error(self) -> None:
+        """Raises the error with which reading the connection natively ended; the system does not say it again."""
     _writer: StreamWriter
     """What sends to a stream."""
 

@@ -133,7 +133,7 @@ class mavtcp(ReconnectingLink):
             self.reconnect()
             return b""
         try:
-            self._raise_read_error(port)
+            self._raise_read_error()
             self._send_rest(port)
             data = receive(port, READ_SIZE if n is None else n)
         except OSError:  # no ConnectionError if the peer stopped answering

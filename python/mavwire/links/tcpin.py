@@ -58,7 +58,7 @@ class mavtcpin(OneClientLink):
         if port is None:  # another thread closed it just now
             return b""
         try:
-            self._raise_read_error(port)
+            self._raise_read_error()
             self._send_rest(port)
             data = receive(port, READ_SIZE if n is None else n)
         except OSError:  # no ConnectionError if the client stopped answering

@@ -32,8 +32,6 @@ pub enum Arrived {
     Nothing,
     /// The end of a stream, or something else: Python's `recv` knows what to do about it.
     Trouble,
-    /// An error of a stream, which the system does not say twice.
-    Failed(i32),
 }
 
 /// What a live link has received and not handed out.
@@ -49,6 +47,8 @@ pub struct LiveSource {
     pub drained: bool,
     /// This is a server for one client at a time.
     pub serves_one: bool,
+    /// The number of the error with which reading a stream ended. The system says it once.
+    pub read_error: Option<i32>,
     next_tending: Option<Instant>,
 }
 
@@ -84,10 +84,10 @@ impl LiveSource {
                 Arrived::Data(if self.transport == Transport::Stream { received } else { 0 })
             }
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => Arrived::Nothing,
-            Err(error) => match error.raw_os_error() {
-                Some(number) if self.transport == Transport::Stream => Arrived::Failed(number),
-                _ => Arrived::Trouble,
-            },
+            Err(error) => {
+                self.read_error = error.raw_os_error();
+                Arrived::Trouble
+            }
         }
     }
 

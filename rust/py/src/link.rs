@@ -3,7 +3,6 @@
 pub(crate) mod filter;
 pub(crate) mod instances;
 pub(crate) mod live_batch;
-pub(crate) mod live_failure;
 pub(crate) mod live_link;
 mod live_methods;
 pub(crate) mod live_receive;

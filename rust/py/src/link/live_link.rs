@@ -8,7 +8,6 @@ use mavwire_io::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::link::live_failure::Failure;
 use crate::link::state::Link;
 use crate::port::peers::to_python;
 use crate::port::stream_writer::StreamWriter;
@@ -25,8 +24,6 @@ const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LiveLink {
     pub(super) source: Lock<LiveSource>,
-    /// Why reading failed.
-    pub(crate) failure: Failure,
     /// The class of port that was seen to be a plain one.
     pub(super) plain_port: Slot<PyType>,
     /// What sends to a stream.
@@ -72,15 +69,15 @@ impl LiveLink {
         plain
     }
 
-    /// `port` and its descriptor, while it is an open socket, serial port or pipe.
-    pub(crate) fn descriptor<'py>(slf: &Bound<'py, Self>) -> Option<(Bound<'py, PyAny>, i32)> {
+    /// The descriptor of `port`, while that is an open socket, serial port or pipe.
+    pub(crate) fn descriptor(slf: &Bound<'_, Self>) -> Option<i32> {
         let py = slf.py();
         let port = slf.getattr(intern!(py, "port")).ok()?;
         if port.is_none() || !Self::is_plain_port(slf, &port) {
             return None;
         }
         let fd = port.invoke_method0(intern!(py, "fileno")).ok()?.extract::<i32>().ok()?;
-        (fd >= 0).then_some((port, fd))
+        (fd >= 0).then_some(fd)
     }
 
     /// Nothing waits, and the socket was empty when it was read last.

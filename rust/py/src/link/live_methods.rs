@@ -5,11 +5,10 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
-use crate::link::live_failure::Failure;
 use crate::link::live_link::LiveLink;
 use crate::link::state::Link;
 use crate::port::peers::{from_python, to_python};
-use crate::port::ports::close_port;
+use crate::port::ports::{close_port, os_error};
 use crate::port::stream_writer::StreamWriter;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::own_methods::OwnMethods;
@@ -29,7 +28,6 @@ impl LiveLink {
     ) -> PyResult<PyClassInitializer<Self>> {
         let link = Self {
             source: Lock::new(LiveSource::default()),
-            failure: Failure::none(),
             plain_port: Slot::new(),
             writer: Slot::new(),
         };
@@ -38,13 +36,11 @@ impl LiveLink {
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.failure.traverse(&visit)?;
         self.writer.traverse(visit)?;
         self.plain_port.traverse(visit)
     }
 
     fn __clear__(&self) {
-        self.failure.clear();
         self.plain_port.set(None);
         self.writer.set(None);
     }
@@ -65,9 +61,10 @@ impl LiveLink {
         self.source().transport = Transport::Datagrams(own);
     }
 
-    /// Raises the error with which reading `port` natively ended; the system does not say it again.
-    fn _raise_read_error(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.failure.raise(port)
+    /// Raises the error with which reading the connection natively ended; the system does not say it again.
+    fn _raise_read_error(&self, py: Python<'_>) -> PyResult<()> {
+        let number = self.source().read_error.take();
+        number.map_or(Ok(()), |number| Err(os_error(py, number)))
     }
 
     /// What sends to a stream.
@@ -100,6 +97,7 @@ impl LiveLink {
         // Dropped when the link has no port any more.
         let _before = slf.get().get_writer(py)?.get().end(port);
         slf.as_super().get().drop_partial();
+        slf.get().source().read_error = None;
         slf.setattr(intern!(py, "fd"), fd)?;
         slf.setattr(intern!(py, "port"), py.None())?;
         close_port(port)?;

@@ -84,7 +84,7 @@ fn next_received<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Option<Option<Boun
             Scanned::Nothing => match fill(slf, &mav)? {
                 Arrived::Data(_) => {}
                 Arrived::Nothing => return Ok(Some(None)),
-                Arrived::Trouble | Arrived::Failed(_) => return Ok(None),
+                Arrived::Trouble => return Ok(None),
             },
         }
     }
@@ -140,13 +140,10 @@ fn fill(slf: &Bound<'_, LiveLink>, mav: &Bound<'_, MAVLink>) -> PyResult<Arrived
     parse::obey_ignore_checksum(mav)?;
     // Last, so that no Python code runs before the read: another thread could close the descriptor, and a third open one
     // of the same number.
-    let Some((port, fd)) = LiveLink::descriptor(slf) else { return Ok(Arrived::Trouble) };
+    let Some(fd) = LiveLink::descriptor(slf) else { return Ok(Arrived::Trouble) };
     let arrived = slf.get().source().fill(fd, &mut mav.get().parser());
     if let Arrived::Data(bytes) = arrived {
         shared::add(&mav.get().counters.bytes_received, bytes as u64);
-    }
-    if let Arrived::Failed(number) = arrived {
-        slf.get().failure.set(port, number);
     }
     Ok(arrived)
 }
