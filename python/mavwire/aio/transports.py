@@ -67,7 +67,7 @@ class OneClientServer(Transport):
     look_interval = 5.0
 
     def look(self) -> None:
-        self.sync._tend()
+        self.sync._drop_silent_client()
 
 
 class DatagramClient(Transport):

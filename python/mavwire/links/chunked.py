@@ -52,7 +52,7 @@ class ChunkedLink(LiveLink, mavfile):
         finally:
             # Nothing has come, or garbage, be it raised or not: no reason to leave things undone.
             if msg is None or msg.get_type() == "BAD_DATA":
-                self._tend()
+                self._drop_silent_client()
         if msg is not None:
             self._delivered(msg)
         return msg
@@ -89,8 +89,8 @@ class ChunkedLink(LiveLink, mavfile):
         """Let go of what the transport holds, if it does; `fd` is None then."""
         raise NotImplementedError
 
-    def _tend(self) -> None:
-        """Regular work of a server, about once a second while no message arrives."""
+    def _drop_silent_client(self) -> None:
+        """Servers for one client at a time: called about once a second while no message arrives."""
 
     def _check_open(self) -> None:
         """OSError once the link is closed, so that a thread that receives from it ends."""

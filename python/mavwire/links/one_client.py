@@ -102,7 +102,7 @@ class OneClientLink(StreamLink):
             self._accept_error = reason
             warn("%s: a client cannot be served: %s; trying again", self.address, reason)
 
-    def _tend(self) -> None:
+    def _drop_silent_client(self) -> None:
         """Let a client go that says nothing while another one waits."""
         port = self.port
         if port is None:

@@ -49,15 +49,15 @@ pub struct LiveSource {
     pub serves_one: bool,
     /// The number of the error with which reading a stream ended. The system says it once.
     pub read_error: Option<i32>,
-    next_tending: Option<Instant>,
+    next_housekeeping: Option<Instant>,
 }
 
 impl LiveSource {
     /// It is time to look after the client of a server, and the next time is after `interval`.
-    pub fn is_time_to_tend(&mut self, now: Instant, interval: Duration) -> bool {
-        let is_due = self.serves_one && self.next_tending.is_none_or(|due| now >= due);
+    pub fn is_housekeeping_due(&mut self, now: Instant, interval: Duration) -> bool {
+        let is_due = self.serves_one && self.next_housekeeping.is_none_or(|due| now >= due);
         if is_due {
-            self.next_tending = now.checked_add(interval);
+            self.next_housekeeping = now.checked_add(interval);
         }
         is_due
     }

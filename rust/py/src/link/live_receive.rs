@@ -29,7 +29,7 @@ const READS_PER_CALL: usize = 64;
 /// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 /// How often an idle link does what Python has to do for it.
-const TEND_INTERVAL: Duration = Duration::from_secs(1);
+const HOUSEKEEPING_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A plain message, ready to be made.
 struct Fresh<'py> {
@@ -64,7 +64,7 @@ pub(crate) fn next_message<'py>(
         Ok(Some(None)) | Err(_) => true,
         Ok(None) => false,
     } {
-        tend(slf)?;
+        drop_silent_client(slf)?;
     }
     received
 }
@@ -92,9 +92,9 @@ fn next_received<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Option<Option<Boun
 }
 
 /// Now and then lets Python see whether somebody waits for a client that says nothing sensible.
-fn tend(slf: &Bound<'_, LiveLink>) -> PyResult<()> {
-    if slf.get().source().is_time_to_tend(Instant::now(), TEND_INTERVAL) {
-        slf.invoke_method0(intern!(slf.py(), "_tend"))?;
+fn drop_silent_client(slf: &Bound<'_, LiveLink>) -> PyResult<()> {
+    if slf.get().source().is_housekeeping_due(Instant::now(), HOUSEKEEPING_INTERVAL) {
+        slf.invoke_method0(intern!(slf.py(), "_drop_silent_client"))?;
     }
     Ok(())
 }
