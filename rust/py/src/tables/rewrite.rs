@@ -117,14 +117,14 @@ fn opening(path: &Path, logs: usize, error: io::Error) -> Error {
     let advice = match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => "",
         _ if logs == 1 => "",
-        _ => " (all logs are open at once: merge fewer of them, then what comes of that)",
+        _ => " (merge opens all logs at once: merge fewer logs, then merge the results)",
     };
     Error::Opening { path: path.to_owned(), error, advice }
 }
 
 fn no_times(path: &Path) -> PyErr {
     PyValueError::new_err(format!(
-        "{}: a raw stream has no time stamps, and this needs them",
+        "{}: a raw stream has no time stamps: use a .tlog file, or leave start and end out",
         path.display()
     ))
 }
