@@ -9,4 +9,6 @@ pub(crate) mod intern;
 pub(crate) mod lists;
 pub(crate) mod number;
 pub(crate) mod own_methods;
+#[macro_use]
+pub(crate) mod properties;
 pub(crate) mod raw_function;

@@ -71,26 +71,6 @@ impl Link {
         self.replace(Some(value), |state| &mut state.message_hooks);
     }
 
-    /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.
-    #[getter(mav_count)]
-    fn get_mav_count(&self) -> u64 {
-        self.state().reception.received
-    }
-    #[setter(mav_count)]
-    fn set_mav_count(&self, value: u64) {
-        self.state().reception.received = value;
-    }
-
-    /// Messages lost, by the gaps in sequence numbers.
-    #[getter(mav_loss)]
-    fn get_mav_loss(&self) -> u64 {
-        self.state().reception.lost
-    }
-    #[setter(mav_loss)]
-    fn set_mav_loss(&self, value: u64) {
-        self.state().reception.lost = value;
-    }
-
     /// Message types, instances, components and parameters that were not kept because there were too many already.
     #[getter]
     fn names_refused(&self) -> u64 {
@@ -132,16 +112,6 @@ impl Link {
         let is_unset = seconds == 0.0 && value.is_instance_of::<PyInt>();
         self.state().reception.time = (!is_unset).then_some(seconds);
         Ok(())
-    }
-
-    /// Seconds since the vehicle booted, as its messages say.
-    #[getter(uptime)]
-    fn get_uptime(&self) -> f64 {
-        self.state().reception.uptime
-    }
-    #[setter(uptime)]
-    fn put_uptime(&self, value: f64) {
-        self.state().reception.uptime = value;
     }
 
     /// Time of the record being read from a log; None on live links.
@@ -263,4 +233,15 @@ impl Link {
 #[pyfunction]
 pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     generic_dict(object)
+}
+
+properties! {
+    Link:
+
+    /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.
+    mav_count, set_mav_count: u64 = |link| (field link.state().reception.received);
+    /// Messages lost, by the gaps in sequence numbers.
+    mav_loss, set_mav_loss: u64 = |link| (field link.state().reception.lost);
+    /// Seconds since the vehicle booted, as its messages say.
+    uptime, set_uptime: f64 = |link| (field link.state().reception.uptime);
 }

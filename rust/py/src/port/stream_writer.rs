@@ -166,16 +166,6 @@ impl StreamWriter {
         PyBytes::new(py, self.queue.lock(py).unsent())
     }
 
-    /// Frames that were not sent.
-    #[getter]
-    fn dropped_frames(&self) -> u64 {
-        self.dropped_frames.load(Relaxed)
-    }
-    #[setter]
-    fn set_dropped_frames(&self, value: u64) {
-        self.dropped_frames.store(value, Relaxed);
-    }
-
     /// Bytes that a port has taken.
     #[getter]
     fn bytes_sent(&self) -> u64 {
@@ -203,4 +193,11 @@ impl StreamWriter {
         let count = self.queue.lock(py).forget();
         self.drop_frames(count);
     }
+}
+
+properties! {
+    StreamWriter:
+
+    /// Frames that were not sent.
+    dropped_frames, set_dropped_frames: u64 = |writer| (atomic writer.dropped_frames);
 }

@@ -90,36 +90,6 @@ impl MAVLink {
         generic_setattr(slf, name, None)
     }
 
-    /// Sequence number of the next frame, 0 to 255.
-    #[getter]
-    fn seq(&self) -> i64 {
-        self.sending().seq.load(Relaxed)
-    }
-    #[setter(seq)]
-    fn set_seq(&self, value: i64) {
-        self.sending().seq.store(value, Relaxed);
-    }
-
-    /// System id that frames are sent with.
-    #[getter(srcSystem)]
-    fn src_system(&self) -> i64 {
-        self.src_system.load(Relaxed)
-    }
-    #[setter(srcSystem)]
-    fn set_src_system(&self, value: i64) {
-        self.src_system.store(value, Relaxed);
-    }
-
-    /// Component id that frames are sent with.
-    #[getter(srcComponent)]
-    fn src_component(&self) -> i64 {
-        self.src_component.load(Relaxed)
-    }
-    #[setter(srcComponent)]
-    fn set_src_component(&self, value: i64) {
-        self.src_component.store(value, Relaxed);
-    }
-
     /// Bad input gives BAD_DATA messages instead of exceptions.
     #[getter]
     fn robust_parsing(&self) -> bool {
@@ -190,52 +160,6 @@ impl MAVLink {
     #[setter(send_callback)]
     fn put_send_callback(&self, value: Option<Py<PyAny>>) {
         self.send_callback.set(value);
-    }
-
-    /// Frames sent.
-    #[getter]
-    fn total_packets_sent(&self) -> u64 {
-        self.sending().packets.load(Relaxed)
-    }
-    #[setter]
-    fn set_total_packets_sent(&self, value: u64) {
-        self.sending().packets.store(value, Relaxed);
-    }
-    /// Bytes sent.
-    #[getter]
-    fn total_bytes_sent(&self) -> u64 {
-        self.sending().bytes.load(Relaxed)
-    }
-    #[setter]
-    fn set_total_bytes_sent(&self, value: u64) {
-        self.sending().bytes.store(value, Relaxed);
-    }
-    /// Messages received, BAD_DATA and UNKNOWN included.
-    #[getter]
-    fn total_packets_received(&self) -> u64 {
-        self.counters.packets_received.load(Relaxed)
-    }
-    #[setter]
-    fn set_total_packets_received(&self, value: u64) {
-        self.counters.packets_received.store(value, Relaxed);
-    }
-    /// Bytes given to `parse_char` and `parse_buffer`.
-    #[getter]
-    fn total_bytes_received(&self) -> u64 {
-        self.counters.bytes_received.load(Relaxed)
-    }
-    #[setter]
-    fn set_total_bytes_received(&self, value: u64) {
-        self.counters.bytes_received.store(value, Relaxed);
-    }
-    /// Runs of junk and rejected frames.
-    #[getter]
-    fn total_receive_errors(&self) -> u64 {
-        self.counters.receive_errors.load(Relaxed)
-    }
-    #[setter]
-    fn set_total_receive_errors(&self, value: u64) {
-        self.counters.receive_errors.store(value, Relaxed);
     }
 
     /// Bytes received and not parsed yet (a copy).
@@ -412,4 +336,25 @@ impl MAVLink {
         self.callback.set(None);
         self.send_callback.set(None);
     }
+}
+
+properties! {
+    MAVLink:
+
+    /// Sequence number of the next frame, 0 to 255.
+    seq, set_seq: i64 = |mav| (atomic mav.sending().seq);
+    /// System id that frames are sent with.
+    srcSystem, set_src_system: i64 = |mav| (atomic mav.src_system);
+    /// Component id that frames are sent with.
+    srcComponent, set_src_component: i64 = |mav| (atomic mav.src_component);
+    /// Frames sent.
+    total_packets_sent, set_total_packets_sent: u64 = |mav| (atomic mav.sending().packets);
+    /// Bytes sent.
+    total_bytes_sent, set_total_bytes_sent: u64 = |mav| (atomic mav.sending().bytes);
+    /// Messages received, BAD_DATA and UNKNOWN included.
+    total_packets_received, set_total_packets_received: u64 = |mav| (atomic mav.counters.packets_received);
+    /// Bytes given to `parse_char` and `parse_buffer`.
+    total_bytes_received, set_total_bytes_received: u64 = |mav| (atomic mav.counters.bytes_received);
+    /// Runs of junk and rejected frames.
+    total_receive_errors, set_total_receive_errors: u64 = |mav| (atomic mav.counters.receive_errors);
 }

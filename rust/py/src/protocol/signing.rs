@@ -306,52 +306,6 @@ impl Signing {
         })
     }
 
-    /// Signed frames received.
-    #[getter]
-    fn sig_count(&self) -> u64 {
-        self.seen.load(Relaxed)
-    }
-    #[setter]
-    fn set_sig_count(&self, value: u64) {
-        self.seen.store(value, Relaxed);
-    }
-    /// Good signatures.
-    #[getter]
-    fn goodsig_count(&self) -> u64 {
-        self.good.load(Relaxed)
-    }
-    #[setter]
-    fn set_goodsig_count(&self, value: u64) {
-        self.good.store(value, Relaxed);
-    }
-    /// Bad signatures.
-    #[getter]
-    fn badsig_count(&self) -> u64 {
-        self.bad.load(Relaxed)
-    }
-    #[setter]
-    fn set_badsig_count(&self, value: u64) {
-        self.bad.store(value, Relaxed);
-    }
-    /// Frames that the callback let pass.
-    #[getter]
-    fn unsigned_count(&self) -> u64 {
-        self.passed.load(Relaxed)
-    }
-    #[setter]
-    fn set_unsigned_count(&self, value: u64) {
-        self.passed.store(value, Relaxed);
-    }
-    /// Frames that the callback rejected.
-    #[getter]
-    fn reject_count(&self) -> u64 {
-        self.rejected.load(Relaxed)
-    }
-    #[setter]
-    fn set_reject_count(&self, value: u64) {
-        self.rejected.store(value, Relaxed);
-    }
-
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         self.keep.traverse(visit)?;
         self.allow_unsigned.traverse(visit)
@@ -361,4 +315,19 @@ impl Signing {
         self.keep.set(None);
         self.allow_unsigned.set(None);
     }
+}
+
+properties! {
+    Signing:
+
+    /// Signed frames received.
+    sig_count, set_sig_count: u64 = |signing| (atomic signing.seen);
+    /// Good signatures.
+    goodsig_count, set_goodsig_count: u64 = |signing| (atomic signing.good);
+    /// Bad signatures.
+    badsig_count, set_badsig_count: u64 = |signing| (atomic signing.bad);
+    /// Frames that the callback let pass.
+    unsigned_count, set_unsigned_count: u64 = |signing| (atomic signing.passed);
+    /// Frames that the callback rejected.
+    reject_count, set_reject_count: u64 = |signing| (atomic signing.rejected);
 }
