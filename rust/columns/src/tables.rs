@@ -18,18 +18,13 @@ const MARGIN: f64 = 1.02;
 /// The growing tables, by index.
 pub(crate) struct Tables {
     /// `None` for those without a row so far.
-    builders: Vec<Option<TableBuilder>>,
+    pub(crate) builders: Vec<Option<TableBuilder>>,
     limits: Limits,
 }
 
 impl Tables {
     pub(crate) fn new(count: usize, limits: Limits) -> Self {
         Self { builders: (0..count).map(|_| None).collect(), limits }
-    }
-
-    /// Makes room for so many tables.
-    pub(crate) fn grow(&mut self, count: usize) {
-        self.builders.resize_with(count, || None);
     }
 
     /// Appends the records of all pieces to their tables, on all processors; `done` says which share of the log that

@@ -103,7 +103,7 @@ impl Decoder {
         let new = tables[self.is_wanted.len()..].iter().map(|name| self.wanted.wants_name(name));
         self.is_wanted.extend(new);
         self.layouts.resize_with(tables.len(), || None);
-        self.tables.grow(tables.len());
+        self.tables.builders.resize_with(tables.len(), || None);
         self.strides.clear();
         self.strides.resize(tables.len(), 0);
         for (layout, &table) in survey.form.layouts().iter().zip(&survey.table_of) {

@@ -20,11 +20,12 @@ const CUT_OFF: usize = FMT_LAYOUT_LEN - 1;
 pub(super) struct Run {
     form: Form,
     units: Units,
-    finder: ClockFinder,
+    pub(super) finder: ClockFinder,
     /// Whether records of a layout say something.
     telling: Vec<bool>,
     lines: Lines,
-    offset: u64,
+    /// Bytes of the log that were gone through.
+    pub(super) offset: u64,
     /// Bytes behind `offset` that are indexed already.
     ahead: usize,
     /// Where in the log the bytes end that were searched for descriptions: none may be taken in twice.
@@ -34,7 +35,7 @@ pub(super) struct Run {
     /// Some bytes belonged to no record as far as was known then.
     junk: bool,
     /// More is known since: they may hold records.
-    missed: bool,
+    pub(super) missed: bool,
     steps: Steps,
 }
 
@@ -178,26 +179,11 @@ impl Run {
         })
     }
 
-    /// Bytes of the log that are consumed.
-    pub(super) fn position(&self) -> u64 {
-        self.offset
-    }
-
-    /// Whether records that were found and that would be found now may differ.
-    pub(super) fn has_missed(&self) -> bool {
-        self.missed
-    }
-
     /// Whether more is known than this says.
     pub(super) fn knows_more_than(&self, survey: &Survey) -> bool {
         self.form.layouts().len() != survey.form.layouts().len()
             || self.units != survey.units
             || self.finder.clone().finish() != survey.clock
-    }
-
-    /// Whether a GPS record has told when the log began, which no other one changes.
-    pub(super) fn has_settled_clock(&self) -> bool {
-        self.finder.is_settled()
     }
 
     /// What is known by now.

@@ -69,12 +69,12 @@ impl<'a> Pass<'a> {
     /// Takes in another block; false at the end of the log, or where there is no use in going on.
     fn advance(&mut self, blocks: &mut Blocks) -> Result<bool, Error> {
         let more = blocks.next(|block, at_end| {
-            let is_first = self.run.position() == 0;
+            let is_first = self.run.offset == 0;
             let seen = self.run.add(block, at_end);
             self.decoder = if is_first { self.begin() } else { self.extended() };
             if let Some(decoder) = &mut self.decoder {
                 let walked = decoder.walk.follow(seen.bytes, seen.hops);
-                let done = self.run.position() as f64 / self.plan.size as f64;
+                let done = self.run.offset as f64 / self.plan.size as f64;
                 self.bad_bytes += walked.bad_bytes();
                 let portions = decoder.portions(&walked);
                 let take_in = |some| decoder.take_in(seen.bytes, &walked, some, done);
@@ -95,7 +95,7 @@ impl<'a> Pass<'a> {
     fn begin(&self) -> Option<Box<Decoder>> {
         let survey = self.run.survey();
         let is_binary = matches!(survey.form, Form::Binary(_));
-        let is_told = self.is_short || self.run.has_settled_clock();
+        let is_told = self.is_short || self.run.finder.is_settled();
         let does = is_binary && is_told && survey.clock.is_some();
         does.then(|| Box::new(Decoder::new(Arc::new(survey), self.plan.clone())))
     }
@@ -104,7 +104,7 @@ impl<'a> Pass<'a> {
     fn extended(&mut self) -> Option<Box<Decoder>> {
         let mut decoder = self.decoder.take()?;
         let goes_on = !self.run.knows_more_than(decoder.survey())
-            || (!self.run.has_missed() && decoder.extend(self.run.survey()));
+            || (!self.run.missed && decoder.extend(self.run.survey()));
         goes_on.then_some(decoder)
     }
 }
