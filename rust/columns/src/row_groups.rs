@@ -38,7 +38,8 @@ pub(crate) struct RowGroups<W: Write + Send> {
     schema: SchemaRef,
     compression: Compression,
     out: Shared<W>,
-    state: State<W>,
+    /// The first batch tells how its columns are best written.
+    file: Option<File<W>>,
     /// Rows of the file at least, as far as is known.
     rows: usize,
 }
@@ -56,18 +57,12 @@ impl<W: Write> Write for Shared<W> {
     }
 }
 
-enum State<W: Write + Send> {
-    /// The first batch tells how its columns are best written.
-    New,
-    Open(Box<SerializedFileWriter<Shared<W>>>, ArrowRowGroupWriterFactory),
-    /// After an error.
-    Broken,
-}
+type File<W> = (SerializedFileWriter<Shared<W>>, ArrowRowGroupWriterFactory);
 
 impl<W: Write + Send> RowGroups<W> {
     pub(crate) fn new(out: W, schema: SchemaRef, compression: Compression) -> Self {
         let out = Shared(Arc::new(Mutex::new(out)));
-        Self { schema, compression, out, state: State::New, rows: 0 }
+        Self { schema, compression, out, file: None, rows: 0 }
     }
 
     /// Says how many rows are to come.
@@ -85,11 +80,12 @@ impl<W: Write + Send> RowGroups<W> {
     }
 
     fn write_group(&mut self, batch: &RecordBatch) -> Result<(), Error> {
-        let (mut file, factory) = self.open(batch.num_rows())?;
+        let schema = Arc::clone(&self.schema);
+        let (file, factory) = self.open(batch.num_rows())?;
         let writers = factory.create_column_writers(file.flushed_row_groups().len())?;
         let least = if batch.num_rows() < FEW_ROWS { writers.len() } else { 1 };
         let columns = writers.into_par_iter().with_min_len(least.max(1));
-        let columns = columns.zip(self.schema.fields().par_iter().zip(batch.columns()));
+        let columns = columns.zip(schema.fields().par_iter().zip(batch.columns()));
         let chunks: Vec<ArrowColumnChunk> = columns
             .map(|(writer, (field, array))| encoded(writer, field, array))
             .collect::<Result<_, _>>()?;
@@ -98,38 +94,28 @@ impl<W: Write + Send> RowGroups<W> {
             chunk.append_to_row_group(&mut group)?;
         }
         group.close()?;
-        self.state = State::Open(file, factory);
         Ok(())
     }
 
     /// Writes the end of the file.
     pub(crate) fn finish(mut self) -> Result<W, Error> {
-        let (mut file, _) = self.open(0)?;
-        file.finish()?;
-        drop(file);
+        self.open(0)?.0.finish()?;
+        drop(self.file);
         let lost = || ParquetError::General("the output is in use".to_owned());
         let out = Arc::into_inner(self.out.0).ok_or_else(lost)?;
         Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
-    #[allow(clippy::type_complexity)] // the two that belong together
-    fn open(
-        &mut self,
-        rows: usize,
-    ) -> Result<(Box<SerializedFileWriter<Shared<W>>>, ArrowRowGroupWriterFactory), Error> {
-        match std::mem::replace(&mut self.state, State::Broken) {
-            State::Open(file, factory) => Ok((file, factory)),
-            State::New => {
+    fn open(&mut self, rows: usize) -> Result<&mut File<W>, Error> {
+        match &mut self.file {
+            Some(file) => Ok(file),
+            file @ None => {
                 let out = Shared(Arc::clone(&self.out.0));
                 let rows = rows.max(self.rows);
                 let properties = properties(&self.schema, self.compression, rows)?;
                 let schema = Arc::clone(&self.schema);
                 let writer = ArrowWriter::try_new(out, schema, Some(properties))?;
-                let (file, factory) = writer.into_serialized_writer()?;
-                Ok((Box::new(file), factory))
-            }
-            State::Broken => {
-                Err(ParquetError::General("writing this file failed before".to_owned()).into())
+                Ok(file.insert(writer.into_serialized_writer()?))
             }
         }
     }
