@@ -268,7 +268,7 @@ def test_a_silent_client_makes_room_for_one_that_waits(clock):
         with socket.create_connection(address):
             first = accepted(link)
             clock.now += 10 * one_client.CLIENT_SILENCE
-            link._tend()
+            link._drop_silent_client()
             assert link.port is first  # nobody else wants the place
             with socket.create_connection(address) as second:
                 second.sendall(heartbeat(7))
@@ -284,9 +284,9 @@ def test_a_client_that_sends_messages_stays(clock):
             for seq in range(5):
                 client.sendall(heartbeat(seq))
                 assert receive(link).get_seq() == seq
-                link._tend()
+                link._drop_silent_client()
                 clock.now += one_client.CLIENT_SILENCE - 1
-                link._tend()
+                link._drop_silent_client()
             assert (link.port, link.clients_replaced) == (first, 0)
             client.sendall(b"no message")  # which does not count
             clock.now += 1
