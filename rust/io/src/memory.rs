@@ -1,5 +1,7 @@
 //! Memory that was freed and that the allocator keeps.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 /// Gives freed memory back to the system. glibc has a heap for each thread, and keeps most of what is freed in one by another
 /// thread. Code that frees large spans again and again calls this now and then. Elsewhere nothing is done.
 fn give_back() {
@@ -15,15 +17,14 @@ const KEPT_BYTES: usize = 64 << 20;
 
 /// Gives memory back each time that much of it was freed.
 #[derive(Debug, Default)]
-pub struct Freed(usize);
+pub struct Freed(AtomicUsize);
 
 impl Freed {
     /// So many bytes more were freed.
-    pub fn add(&mut self, bytes: usize) {
-        self.0 += bytes;
-        if self.0 > KEPT_BYTES {
+    pub fn add(&self, bytes: usize) {
+        if self.0.fetch_add(bytes, Relaxed) + bytes > KEPT_BYTES {
             give_back();
-            self.0 = 0;
+            self.0.store(0, Relaxed);
         }
     }
 }

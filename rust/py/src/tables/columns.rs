@@ -136,14 +136,6 @@ impl Query {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct LogColumns {
     reader: Mutex<Box<dyn Decode>>,
-    handed_out: Mutex<HandedOut>,
-}
-
-/// The batches that were handed out.
-#[derive(Default)]
-struct HandedOut {
-    /// Bytes of the last ones, if they are of a part of a block.
-    last: usize,
     freed: Freed,
 }
 
@@ -156,18 +148,15 @@ impl LogColumns {
     ) -> Result<Self> {
         let reader = py.detach(open)?;
         query.check_times(reader.has_times())?;
-        Ok(Self { reader: Mutex::new(reader), handed_out: Mutex::default() })
+        Ok(Self { reader: Mutex::new(reader), freed: Freed::default() })
     }
 
     fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
-        let mut handed_out = self.handed_out.lock().unwrap_or_else(PoisonError::into_inner);
-        // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs, whose
-        // blocks are taken in whole, can do without.
-        let last = std::mem::take(&mut handed_out.last);
-        handed_out.freed.add(last);
         let batches = self.with(|reader| reader.advance_a_while())?;
+        // The caller has mostly dropped the batches before these. Giving memory back takes time. The blocks of ordinary logs
+        // come whole and do not need it.
         if self.with(|reader| reader.is_within_block()) {
-            handed_out.last = batches.as_deref().map_or(0, bytes_of);
+            self.freed.add(batches.as_deref().map_or(0, bytes_of));
         }
         Ok(batches)
     }
