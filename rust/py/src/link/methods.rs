@@ -114,16 +114,6 @@ impl Link {
         Ok(())
     }
 
-    /// Time of the record being read from a log; None on live links.
-    #[getter(_timestamp)]
-    fn get_record_time(&self) -> Option<f64> {
-        self.state().reception.record_time
-    }
-    #[setter(_timestamp)]
-    fn put_record_time(&self, value: Option<f64>) {
-        self.state().reception.record_time = value;
-    }
-
     /// Messages are stamped with `uptime` instead of the time of their record.
     #[getter(notimestamps)]
     fn get_notimestamps(&self) -> bool {
@@ -238,6 +228,8 @@ pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'
 properties! {
     Link:
 
+    /// Time of the record being read from a log; None on live links.
+    _timestamp, put_record_time: Option<f64> = |link| (field link.state().reception.record_time);
     /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.
     mav_count, set_mav_count: u64 = |link| (field link.state().reception.received);
     /// Messages lost, by the gaps in sequence numbers.

@@ -37,6 +37,10 @@ impl Callback {
         }
     }
 
+    pub(super) fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.function.get(py)
+    }
+
     pub(super) fn set(&self, function: Option<Py<PyAny>>) {
         self.is_set.store(function.is_some(), Relaxed);
         self.function.set(function);
@@ -71,7 +75,7 @@ impl Callback {
             return Ok(());
         }
         let py = message.py();
-        let Some(function) = self.function.get(py) else { return Ok(()) };
+        let Some(function) = self.get(py) else { return Ok(()) };
         let mut arguments = vec![message.clone()];
         let extra = mav.getattr(self.args.get(py))?;
         if !extra.is_none() {

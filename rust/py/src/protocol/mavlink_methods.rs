@@ -123,16 +123,6 @@ impl MAVLink {
         Ok(())
     }
 
-    /// The object that frames are written to: it has `write(bytes)`.
-    #[getter]
-    fn file<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.file.get(py)
-    }
-    #[setter(file)]
-    fn set_file(&self, value: Option<Py<PyAny>>) {
-        self.file.set(value);
-    }
-
     /// Signing state.
     #[getter(signing)]
     fn get_signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
@@ -142,26 +132,6 @@ impl MAVLink {
     fn set_signing(&self, value: Py<Signing>) {
         self.signing.set(Some(value));
     }
-
-    /// `callback(message, *callback_args, **callback_kwargs)` is called for every message received.
-    #[getter]
-    fn callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.callback.function.get(py)
-    }
-    #[setter(callback)]
-    fn put_callback(&self, value: Option<Py<PyAny>>) {
-        self.callback.set(value);
-    }
-    /// The same for every message sent, with `send_callback_args` and `send_callback_kwargs`.
-    #[getter]
-    fn send_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.send_callback.function.get(py)
-    }
-    #[setter(send_callback)]
-    fn put_send_callback(&self, value: Option<Py<PyAny>>) {
-        self.send_callback.set(value);
-    }
-
     /// Bytes received and not parsed yet (a copy).
     #[getter]
     fn buf<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
@@ -179,15 +149,6 @@ impl MAVLink {
     #[setter]
     fn set_buf_index(&self, value: usize) {
         self.parser().skip(value);
-    }
-    /// Bytes of the frame being received, as far as known.
-    #[getter]
-    fn expected_length(&self) -> usize {
-        self.parser().expected_length
-    }
-    #[setter]
-    fn set_expected_length(&self, value: usize) {
-        self.parser().expected_length = value;
     }
     /// The last byte read started no frame (only without `robust_parsing`).
     #[getter]
@@ -341,6 +302,14 @@ impl MAVLink {
 properties! {
     MAVLink:
 
+    /// The object that frames are written to: it has `write(bytes)`.
+    file, set_file: Option<Py<PyAny>> = |mav| (slot mav.file);
+    /// `callback(message, *callback_args, **callback_kwargs)` is called for every message received.
+    callback, put_callback: Option<Py<PyAny>> = |mav| (slot mav.callback);
+    /// The same for every message sent, with `send_callback_args` and `send_callback_kwargs`.
+    send_callback, put_send_callback: Option<Py<PyAny>> = |mav| (slot mav.send_callback);
+    /// Bytes of the frame being received, as far as known.
+    expected_length, set_expected_length: usize = |mav| (field mav.parser().expected_length);
     /// Sequence number of the next frame, 0 to 255.
     seq, set_seq: i64 = |mav| (atomic mav.sending().seq);
     /// System id that frames are sent with.

@@ -244,16 +244,6 @@ impl Signing {
         same
     }
 
-    /// Link id that outgoing signatures carry, 0 to 255.
-    #[getter]
-    fn link_id(&self) -> u8 {
-        self.link_id.load(Relaxed)
-    }
-    #[setter]
-    fn set_link_id(&self, value: u8) {
-        self.link_id.store(value, Relaxed);
-    }
-
     /// Sign what is sent.
     #[getter]
     fn sign_outgoing(&self) -> bool {
@@ -262,16 +252,6 @@ impl Signing {
     #[setter]
     fn set_sign_outgoing(&self, #[pyo3(from_py_with = truth)] value: bool) {
         self.sign_outgoing.store(value, Relaxed);
-    }
-
-    /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.
-    #[getter]
-    fn allow_unsigned_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.allow_unsigned.get(py)
-    }
-    #[setter]
-    fn set_allow_unsigned_callback(&self, value: Option<Py<PyAny>>) {
-        self.allow_unsigned.set(value);
     }
 
     /// Last timestamp of each verified stream: `{(link_id, sysid, compid): timestamp}`, a copy.
@@ -320,6 +300,10 @@ impl Signing {
 properties! {
     Signing:
 
+    /// Link id that outgoing signatures carry, 0 to 255.
+    link_id, set_link_id: u8 = |signing| (atomic signing.link_id);
+    /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.
+    allow_unsigned_callback, set_allow_unsigned_callback: Option<Py<PyAny>> = |signing| (slot signing.allow_unsigned);
     /// Signed frames received.
     sig_count, set_sig_count: u64 = |signing| (atomic signing.seen);
     /// Good signatures.
