@@ -1,6 +1,6 @@
 """Tables of `mavwire._native`: columns of logs, conversion, summaries."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, TypeAlias, final
@@ -13,6 +13,7 @@ __all__ = [
     "ColumnView",
     "Converter",
     "DataflashTables",
+    "LakeFile",
     "LogColumns",
     "LogKind",
     "LogRewrite",
@@ -165,6 +166,27 @@ class Converter:
         """Removes what was written and not committed."""
 
 @final
+class LakeFile:
+    """A Parquet file of rows of many logs, with columns `log` and `digest`. It appears when it is complete."""
+
+    def __new__(cls, path: str | PathLike[str]) -> LakeFile: ...
+    def write(self, pieces: Sequence[tuple[RecordBatches, tuple[str, str] | None]]) -> int:
+        """Appends a row group of tables with the same columns, each with its log and digest, or None if it
+        has these columns. Bytes of the file so far. The first rows decide which columns the file has.
+        """
+
+    def finish(
+        self,
+    ) -> tuple[
+        int,
+        list[tuple[str, str]],
+        list[tuple[str, tuple[int, int] | tuple[str, str] | None, int]],
+    ]:
+        """Gives the file its name: its rows, columns with their types as Delta Lake calls them, and
+        `(column, (least, largest), nulls)` of some columns.
+        """
+
+@final
 class DataflashTables:
     """A dataflash log, binary or text, that was gone through once for what it says about itself."""
 
@@ -241,6 +263,9 @@ def write_table(
 
 def csv_safe(text: str) -> str:
     """A text as a cell of CSV of which no spreadsheet makes a formula; a number stays a number."""
+
+def folder_of(name: str) -> str:
+    """The folder of the table of a type, which names no other folder and no device."""
 
 def draft_stem(name: str) -> str:
     """What the name of a file begins with until the file is complete: its own name, or one made of

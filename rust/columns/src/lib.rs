@@ -19,6 +19,7 @@ pub mod enums;
 pub mod error;
 pub mod fit;
 pub mod gather;
+pub mod gathered;
 mod gzip;
 pub mod input;
 pub mod instances;

@@ -168,7 +168,7 @@ pub fn is_device(name: &str) -> bool {
 }
 
 /// The folder of a type. A log names its types, and must not choose where files go.
-fn folder_of(name: &str) -> String {
+pub fn folder_of(name: &str) -> String {
     let is_device = is_device(name);
     let letter = |(place, byte): (usize, u8)| {
         let is_plain = byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');

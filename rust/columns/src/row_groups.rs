@@ -7,10 +7,12 @@ use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_writer::{
-    ArrowColumnChunk, ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves,
+    ArrowColumnChunk, ArrowColumnWriter, ArrowRowGroupWriterFactory, ArrowWriterOptions,
+    compute_leaves,
 };
 use parquet::basic::{Compression as ParquetCompression, Encoding, ZstdLevel};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetMetaData;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::ColumnPath;
@@ -42,6 +44,8 @@ pub(crate) struct RowGroups<W: Write + Send> {
     file: Option<File<W>>,
     /// Rows of the file at least, as far as is known.
     rows: usize,
+    /// The file says which Arrow types its columns have, beside those of Parquet.
+    has_arrow_types: bool,
 }
 
 /// The output: parquet's writer, asked to give it back, does not say why it cannot write what is left.
@@ -62,7 +66,14 @@ type File<W> = (SerializedFileWriter<Shared<W>>, ArrowRowGroupWriterFactory);
 impl<W: Write + Send> RowGroups<W> {
     pub(crate) fn new(out: W, schema: SchemaRef, compression: Compression) -> Self {
         let out = Shared(Arc::new(Mutex::new(out)));
-        Self { schema, compression, out, file: None, rows: 0 }
+        let file = None;
+        Self { schema, compression, out, file, rows: 0, has_arrow_types: true }
+    }
+
+    /// Says nothing of Arrow types. Readers of a table then see lists of any length and texts, as its schema says.
+    pub(crate) fn without_arrow_types(mut self) -> Self {
+        self.has_arrow_types = false;
+        self
     }
 
     /// Says how many rows are to come.
@@ -98,12 +109,27 @@ impl<W: Write + Send> RowGroups<W> {
     }
 
     /// Writes the end of the file.
-    pub(crate) fn finish(mut self) -> Result<W, Error> {
-        self.open(0)?.0.finish()?;
+    pub(crate) fn finish(self) -> Result<W, Error> {
+        Ok(self.finish_with_footer()?.0)
+    }
+
+    /// Writes the end of the file, and tells what is in it.
+    pub(crate) fn finish_with_footer(mut self) -> Result<(W, ParquetMetaData), Error> {
+        let footer = self.open(0)?.0.finish()?;
         drop(self.file);
         let lost = || ParquetError::General("the output is in use".to_owned());
         let out = Arc::into_inner(self.out.0).ok_or_else(lost)?;
-        Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner))
+        Ok((out.into_inner().unwrap_or_else(PoisonError::into_inner), footer))
+    }
+
+    /// The columns.
+    pub(crate) fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// Bytes so far.
+    pub(crate) fn bytes(&self) -> usize {
+        self.file.as_ref().map_or(0, |(file, _)| file.bytes_written())
     }
 
     fn open(&mut self, rows: usize) -> Result<&mut File<W>, Error> {
@@ -114,7 +140,10 @@ impl<W: Write + Send> RowGroups<W> {
                 let rows = rows.max(self.rows);
                 let properties = properties(&self.schema, self.compression, rows)?;
                 let schema = Arc::clone(&self.schema);
-                let writer = ArrowWriter::try_new(out, schema, Some(properties))?;
+                let options = ArrowWriterOptions::new()
+                    .with_properties(properties)
+                    .with_skip_arrow_metadata(!self.has_arrow_types);
+                let writer = ArrowWriter::try_new_with_options(out, schema, options)?;
                 Ok(file.insert(writer.into_serialized_writer()?))
             }
         }
@@ -201,7 +230,7 @@ fn encoding_of(leaf: &DataType) -> Option<Encoding> {
 
 fn leaf_type(field: &Field) -> &DataType {
     match field.data_type() {
-        DataType::FixedSizeList(item, _) => item.data_type(),
+        DataType::FixedSizeList(item, _) | DataType::List(item) => item.data_type(),
         other => other,
     }
 }
@@ -209,7 +238,7 @@ fn leaf_type(field: &Field) -> &DataType {
 /// Where parquet has the values of a field.
 fn path_of(field: &Field) -> ColumnPath {
     match field.data_type() {
-        DataType::FixedSizeList(item, _) => {
+        DataType::FixedSizeList(item, _) | DataType::List(item) => {
             ColumnPath::new(vec![field.name().clone(), "list".to_owned(), item.name().clone()])
         }
         _ => ColumnPath::from(field.name().as_str()),

@@ -116,7 +116,7 @@ mod _native {
     #[pymodule_export]
     use crate::tables::columns::{LogColumns, empty_table, log_summary};
     #[pymodule_export]
-    use crate::tables::convert::{Converter, csv_safe, is_device, write_table};
+    use crate::tables::convert::{Converter, csv_safe, folder_of, is_device, write_table};
     #[pymodule_export]
     use crate::tables::dataflash::DataflashTables;
     #[pymodule_export]
@@ -125,6 +125,8 @@ mod _native {
     use crate::tables::decompress::{decompress, draft_stem};
     #[pymodule_export]
     use crate::tables::identify::{LogKind, identify};
+    #[pymodule_export]
+    use crate::tables::lake_file::LakeFile;
     #[pymodule_export]
     use crate::tables::open_log::LogScan;
     #[pymodule_export]

@@ -8,6 +8,7 @@ pub(crate) mod dataflash;
 pub(crate) mod dates;
 pub(crate) mod decompress;
 pub(crate) mod identify;
+pub(crate) mod lake_file;
 pub(crate) mod open_log;
 pub(crate) mod rewrite;
 pub(crate) mod source;

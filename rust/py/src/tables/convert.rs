@@ -184,3 +184,9 @@ pub(crate) fn csv_safe(text: &str) -> Cow<'_, str> {
 pub(crate) fn is_device(name: &str) -> bool {
     output::is_device(name)
 }
+
+/// The folder of the table of a type.
+#[pyfunction]
+pub(crate) fn folder_of(name: &str) -> String {
+    output::folder_of(name)
+}
