@@ -9,6 +9,7 @@ from __future__ import annotations
 import glob
 import os
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
@@ -167,3 +168,24 @@ def check_divisible(path: str, options: Mapping[str, Any] | None = None) -> None
     else:
         return
     raise LogFormatError(f"no range of {what}; leave byte_range out: {path!r}")
+
+
+LOOKERS = 16
+"""Threads that ask for the sizes of logs at URLs."""
+
+
+def statuses(
+    logs: list[str], options: Mapping[str, Any] | None
+) -> dict[str, tuple[int, int] | Exception]:
+    """The size and time of each log, or why these cannot be had."""
+
+    def ask(path: str) -> tuple[int, int] | Exception:
+        try:
+            return status(path, options)
+        except Exception as error:  # file systems of fsspec raise errors of any type
+            return error
+
+    remote = [path for path in logs if is_url(path)]
+    with ThreadPoolExecutor(LOOKERS) as pool:
+        found = dict(zip(remote, pool.map(ask, remote), strict=True))
+    return {path: found[path] if path in found else ask(path) for path in logs}

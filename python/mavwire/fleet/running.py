@@ -7,7 +7,6 @@ manifest has is not done again.
 from __future__ import annotations
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -22,15 +21,12 @@ from mavwire.logs.staging import remove_left, staging
 from .clients import connected
 from .cuts import find_cuts
 from .grouping import TASK_BYTES, check_at_least_1, group_bytes, grouped, may_be_cut
-from .places import Part, expand, is_url, status
+from .places import Part, expand, is_url, statuses
 from .stores import store_of
 from .tasks import Piece, Recipe, convert_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
-
-LOOKERS = 16
-"""Threads that ask for the sizes of logs."""
 
 
 def to_parquet(
@@ -82,7 +78,7 @@ def convert(
     check_at_least_1(workers=workers, task_bytes=task_bytes)
     allow_described(logs, selection)
     out = os.fsdecode(out).removeprefix("file://")
-    known = _statuses(logs, storage_options)
+    known = statuses(logs, storage_options)
     store = store_of(out, storage_options)
     with store.locked(), _staging(out) as folder:
         manifest = Manifest(store, how, lambda path: _known(known[path]))
@@ -110,19 +106,6 @@ def _staging(out: str) -> Iterator[str | None]:
     remove_left(out)
     with staging(out) as folder:
         yield folder
-
-
-def _statuses(
-    logs: list[str], options: Mapping[str, Any] | None
-) -> dict[str, tuple[int, int] | Exception]:
-    def ask(path: str) -> tuple[int, int] | Exception:
-        try:
-            return status(path, options)
-        except Exception as error:  # file systems of fsspec raise errors of any type
-            return error
-
-    with ThreadPoolExecutor(LOOKERS) as pool:
-        return dict(zip(logs, pool.map(ask, logs), strict=True))
 
 
 def _known(found: tuple[int, int] | Exception) -> tuple[int, int]:
