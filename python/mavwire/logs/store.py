@@ -94,12 +94,12 @@ class Store:
                 os.rmdir(os.path.dirname(self.place(name)))
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other runs from writing to the folder. ValueError where one does so already. A folder
-        that was made for a run and that is empty afterwards is removed.
+    def locked(self, wait: bool = False) -> Iterator[None]:
+        """Keep other runs from writing to the folder. ValueError where one does so already, unless it is
+        to `wait` for that. A folder that was made for a run and that is empty afterwards is removed.
         """
         try:
-            with self._lock():
+            with self._lock(wait):
                 yield
         finally:
             if self._is_new:
@@ -107,14 +107,14 @@ class Store:
                     os.rmdir(self.root)
 
     @contextmanager
-    def _lock(self) -> Iterator[None]:
+    def _lock(self, wait: bool) -> Iterator[None]:
         if fcntl is None:
             yield
             return
         folder = os.open(self.root, os.O_RDONLY)
         try:
             try:
-                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(folder, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
             except BlockingIOError:
                 raise ValueError(
                     f"another conversion is writing to {self.root}: wait for it, or choose another folder"
