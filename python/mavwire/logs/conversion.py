@@ -159,14 +159,14 @@ def prepare(
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     selection.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     selection.batch_bytes = BATCH_BYTES
-    how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(selection)}
+    how = {"format": format, "compression": compression, "output": OUTPUT, **asked(selection)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
     how["definitions"] = _fingerprint(native, selection)
     selection.descriptions = of_messages(native) if format in ONE_FILE else None
     return compression, native, selection, how
 
 
-def _asked(selection: Selection) -> dict[str, Any]:
+def asked(selection: Selection) -> dict[str, Any]:
     """The options of a user. Lists are sorted where the order makes no difference."""
     how = {name: one for name, one in vars(selection).items() if name not in INTERNAL}
     how["unknown"] = selection.unknown == "table"  # the other words make no difference to files

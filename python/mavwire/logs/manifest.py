@@ -10,7 +10,7 @@ import json
 import os
 import re
 import time
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from .formats import FORMATS, ONE_FILE
@@ -58,6 +58,8 @@ class Converted:
     """`{path below OUT: rows}`."""
     error: str | None = None
     """Why there are no files, or what is wrong with a compressed log."""
+    digest: str = ""
+    """SHA-256 of the log, in a lake."""
     skipped: bool = False
     """It had been converted before, by an earlier run."""
     stale: list[str] = field(default_factory=list)
@@ -173,7 +175,7 @@ class Manifest:
         """Write the manifest, which is never seen half written."""
         began = time.monotonic()
         content = {"version": VERSION, "options": self.how}
-        logs = [_stored_row(row) for row in self.rows.values()]
+        logs = [stored_row(row) for row in self.rows.values()]
         self._store.write(MANIFEST, json.dumps({**content, "logs": logs}, indent=1).encode())
         self._unwritten = False
         now = time.monotonic()
@@ -200,10 +202,13 @@ class Manifest:
         return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
 
 
-def _stored_row(row: Converted) -> dict[str, Any]:
-    stored = asdict(row)
+def stored_row(row: Converted) -> dict[str, Any]:
+    """A row as a manifest holds it."""
+    stored = dict(vars(row))
     del stored["skipped"]
-    if not stored["stale"] or row.error is None:
+    if not row.digest:
+        del stored["digest"]
+    if not row.stale or row.error is None:
         del stored["stale"]
     return stored
 
@@ -241,6 +246,11 @@ def _is_ours(name: str, format: str) -> bool:
     return bool(in_place) and FORMATS[format] in file and "\\" not in file
 
 
+def in_utf8(name: str) -> str:
+    """The name of a log in UTF-8."""
+    return _UNDECODED.sub(_escaped, name)
+
+
 def _escaped(byte: re.Match[str]) -> str:
     return f"%{ord(byte[0]) - 0xDC00:02X}"
 
@@ -260,7 +270,7 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
         stem = os.path.basename(path)
         for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log", ".parquet", ".arrow"):
             stem = stem.removesuffix(suffix)
-        stem = _UNDECODED.sub(_escaped, stem)
+        stem = in_utf8(stem)
         # Of ".tlog" and "..tlog" nothing is left that a file could be called.
         if not _is_stem(stem):
             stem = "log"
