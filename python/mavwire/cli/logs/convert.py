@@ -12,17 +12,14 @@ from __future__ import annotations
 import argparse
 import glob
 import os
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
-from mavwire._text import printable
 from mavwire.cli._errors import CommandError, refused, tell
-from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
-from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._values import split, systems_of, time_of
-from mavwire.logs.dialect import dialect_module
-from mavwire.logs.unknown import counts_of, unknown_text
+from mavwire.cli.logs._query_arguments import add_query, query_of
+from mavwire.cli.logs._told_rows import tell_rows
 
 if TYPE_CHECKING:
     from mavwire.logs.manifest import Converted
@@ -42,22 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=sorted({one for some in COMPRESSIONS.values() for one in some}),
         help="default: zstd for parquet and mcap, none for the others",
     )
-    add_shared(parser, "types", "systems")
-    parser.add_argument("--fields", help="fields to keep, separated by commas (default: all)")
-    parser.add_argument("--units", choices=["si"], help="si: metres, volts, ... (default: as sent)")
-    parser.add_argument("--enums", choices=["names"], help="names of values (default: numbers)")
-    parser.add_argument(
-        "--invalid",
-        choices=["null", "keep"],
-        help="null: leave out values that mean 'unknown', such as 65535 mV; keep: write them as sent "
-        "(default: null with --units si and for mcap, else keep)",
-    )
-    parser.add_argument(
-        "--unknown",
-        choices=["table", "ignore"],
-        help="messages that the dialect does not define: table: write them as mavwire.unknown; "
-        "ignore: say nothing (default: say how many)",
-    )
+    add_query(parser)
     parser.add_argument(
         "--from-unknown",
         action="store_true",
@@ -69,7 +51,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=True,
         help="csv: write ' before a text that a spreadsheet would run as a formula (default: yes)",
     )
-    add_shared(parser, "start", "end", "any_dialect")
     cluster = parser.add_mutually_exclusive_group()
     cluster.add_argument("--workers", type=int, metavar="N", help="processes of this machine")
     cluster.add_argument("--scheduler", metavar="ADDRESS", help="of a cluster: tcp://host:8786")
@@ -80,15 +61,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read, or none describes a wanted type."""
     if args.workers is not None and args.workers < 1:
         raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
-    given = ("format", "compression", "units", "enums", "invalid", "unknown", "csv_safe", "dialect")
-    options = {
-        **{name: getattr(args, name) for name in given},
-        "types": split(args.types, "--types"),
-        "systems": systems_of(args.systems),
-        "fields": split(args.fields, "--fields"),
-        "start": time_of(args.start),
-        "end": time_of(args.end),
-    }
+    given = ("format", "compression", "csv_safe")
+    options = {**{name: getattr(args, name) for name in given}, **query_of(args)}
     bar = Progress("", enabled=not args.quiet)
     try:
         with refused(ValueError), ended_in_order():
@@ -98,23 +72,8 @@ def main(args: argparse.Namespace) -> int:
     for problem in (undescribed := _undescribed(rows, options["types"] or [])):
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)
-    for row in rows:
-        is_empty = row.error is None and not row.files and not row.skipped
-        if is_empty and not row.unknown and not args.from_unknown:
-            warn_without_records("convert", row.path, args.dialect)
-        if row.error is not None:
-            failed += not row.skipped  # what is damaged is damaged for ever
-            hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
-            tell(f"mavwire convert: {row.path}: {row.error}{hint}")
-        if row.unknown and args.unknown is None:
-            text = unknown_text(counts_of(row.unknown), dialect_module(args.dialect))
-            tell(f"mavwire convert: {row.path}: left out: {text}")
-        nothing = not row.files and (row.error is not None or undescribed)
-        if not args.quiet and not nothing:
-            done = "converted before" if row.skipped else "converted"
-            bad = f", {row.bad_bytes:,} bytes were not part of any message" if row.bad_bytes else ""
-            count = f"{row.rows:,} rows in {len(row.files)} files"
-            print(printable(f"{row.path}: {done}, {count}{bad}"))
+    hint = None if _is_fleet(args) else partial(_hint, logs=args.logs)
+    failed += tell_rows("convert", "converted", rows, args, hint, not undescribed, args.from_unknown)
     return 1 if failed else 0
 
 
