@@ -26,6 +26,7 @@ COMMANDS = {
     "dump": ("logs", "mavlogdump", "print the messages of a log as text, JSON or CSV"),
     "convert": ("logs", "", "logs to Parquet, CSV, JSON lines, Arrow or MCAP files"),
     "sql": ("logs", "", "ask logs in SQL: each message type is a table"),
+    "ingest": ("logs", "", "many logs to one Delta Lake table for each message type"),
     "cut": ("logs", "", "some records of a telemetry log as a log of their own"),
     "repair": ("logs", "", "the good records of a damaged telemetry log"),
     "anonymize": ("logs", "", "a telemetry log without places and identifiers"),

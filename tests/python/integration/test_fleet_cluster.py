@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -83,14 +84,38 @@ def kill_once(flag: str, path: str) -> None:
     tasks.publish = publish
 
 
-def on_each_worker(client: Any, flag: Path, name: str) -> None:
-    """Run `kill_once` there; as text, since workers do not know the modules of the tests."""
+def kill_once_in_a_lake(flag: str, path: str) -> None:
+    """Have the first worker that begins a log for a lake end itself."""
+    import os
+    import signal
+
+    from mavwire.lake import doing
+
+    original = doing.digest_of
+
+    def digest_of(source: Any) -> str:
+        if str(source).endswith(path):
+            try:
+                os.close(os.open(flag, os.O_CREAT | os.O_EXCL))
+            except FileExistsError:
+                pass
+            else:
+                os.kill(os.getpid(), signal.SIGKILL)
+        return original(source)
+
+    doing.digest_of = digest_of
+
+
+def on_each_worker(
+    client: Any, flag: Path, name: str, kill: Callable[[str, str], None] = kill_once
+) -> None:
+    """Run `kill` there; as text, since workers do not know the modules of the tests."""
     import inspect
 
     source = "from __future__ import annotations\nfrom typing import Any\n" + inspect.getsource(
-        kill_once
+        kill
     )
-    client.run(lambda: exec(f"{source}\nkill_once({str(flag)!r}, {name!r})", {}))
+    client.run(lambda: exec(f"{source}\n{kill.__name__}({str(flag)!r}, {name!r})", {}))
 
 
 def test_a_worker_that_is_killed_loses_nothing_and_doubles_nothing(tmp_path, cluster, logs):
@@ -107,6 +132,27 @@ def test_a_worker_that_is_killed_loses_nothing_and_doubles_nothing(tmp_path, clu
     assert written(out) == expected(logs)
     assert not list(out.glob(".mavwire-staging-*")), "nothing is left of the worker that was killed"
     assert {name: n for row in rows for name, n in row.files.items()} == expected(logs)
+
+
+def test_a_lake_has_each_row_once_where_a_worker_was_killed(tmp_path, cluster, logs):
+    distributed, polars = pytest.importorskip("distributed"), pytest.importorskip("polars")
+    pytest.importorskip("deltalake")
+    from mavwire import lake
+
+    flag, root, wrong = tmp_path / "killed", tmp_path / "lake", tmp_path / "wrong.tlog"
+    wrong.write_bytes(b"no log" * 100)
+    with distributed.Client(cluster, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=120)
+        on_each_worker(client, flag, "flight3.tlog", kill_once_in_a_lake)
+        rows = lake.ingest([*logs, wrong], root, client, part_bytes=20_000)
+    assert flag.exists(), "no worker was killed"
+    assert [row.error is None for row in rows] == [True] * 6 + [False]
+    found = {}
+    for name, (path, version) in lake.tables(root).items():
+        counted = polars.scan_delta(path, version=version).group_by("log").len().collect()
+        found.update({f"{name}/{Path(log).stem}.parquet": rows for log, rows in counted.rows()})
+    assert found == expected(logs)
+    assert not [one for one in os.listdir(root) if one.startswith(".")]
 
 
 def test_the_command_uses_the_cluster_of_an_address(tmp_path, logs, capsys, cluster):

@@ -72,10 +72,11 @@ LAYERS = (
 )
 # Packages above mavutil, and those that each never imports, in functions neither.
 NOT_USED_BY = {
-    "logs": {"plots", "fleet", "bridge", "aio", "cli", "tools", "sim", "traffic"},
-    "plots": {"fleet", "bridge", "aio", "cli", "tools", "sim", "traffic"},
-    "fleet": {"plots", "bridge", "aio", "cli", "tools", "sim", "traffic"},
-    "bridge": {"plots", "fleet", "aio", "cli", "tools", "sim", "traffic"},
+    "logs": {"plots", "fleet", "lake", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "plots": {"fleet", "lake", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "fleet": {"plots", "lake", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "lake": {"plots", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "bridge": {"plots", "fleet", "lake", "aio", "cli", "tools", "sim", "traffic"},
     "aio": {"logs", "plots", "fleet", "bridge", "cli", "tools", "sim", "traffic"},
     "cli": {"tools", "traffic"},
     "tools": {"logs", "plots", "fleet", "bridge", "aio", "sim", "traffic"},
@@ -83,7 +84,7 @@ NOT_USED_BY = {
     "traffic": {"logs", "plots", "fleet", "bridge", "aio", "cli", "tools", "sim"},
 }
 HEAVY = set(
-    "numpy pyarrow polars pandas matplotlib dask distributed fsspec serial rich wsproto".split()
+    "numpy pyarrow polars pandas matplotlib dask distributed fsspec deltalake serial rich wsproto".split()
 )
 # The only modules that name pymavlink: its descriptions are read as data, and the shadow runs it
 # beside the parser.

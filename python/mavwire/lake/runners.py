@@ -1,0 +1,72 @@
+"""Runners: who does the parts of a plan. Each gives what became of them as they are done."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import tempfile
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from typing import TYPE_CHECKING, Any
+
+from mavwire._text import in_words
+from mavwire.fleet.clients import connected
+from mavwire.logs.manifest import Converted
+
+from .doing import Made, Recipe, do_part
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from .planning import Task
+
+    Parts = list[list[Task]]
+
+
+def run_here(parts: Parts, recipe: Recipe) -> Iterator[Made]:
+    """Do parts one by one in this process, whose threads share each log."""
+    for part in parts:
+        yield do_part(part, recipe)
+
+
+def run_pool(parts: Parts, recipe: Recipe, workers: int) -> Iterator[Made]:
+    """Do parts in processes of this machine."""
+    share = str(max(1, (os.cpu_count() or 1) // workers))
+    spawned = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, spawned, _set_threads, (share,)) as pool:
+        futures = {pool.submit(do_part, part, recipe): part for part in parts}
+        try:
+            for future in as_completed(futures):
+                yield _outcome(future, futures[future], recipe)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _set_threads(count: str) -> None:
+    os.environ["RAYON_NUM_THREADS"] = count
+
+
+def run_dask(parts: Parts, recipe: Recipe, client: Any) -> Iterator[Made]:
+    """Do parts on a Dask cluster, whose workers see the lake by the same path."""
+    from distributed import as_completed as completed
+
+    with connected(client, None) as cluster:
+        futures = {cluster.submit(do_part, part, recipe, pure=False): part for part in parts}
+        pending = completed(futures, loop=cluster.loop)
+        for future in pending:
+            part = futures.pop(future)
+            if future.status == "error" and len(part) > 1:  # one of them may be what ends workers
+                alone = {cluster.submit(do_part, [one], recipe, pure=False): [one] for one in part}
+                futures |= alone
+                pending.update(alone)
+                continue
+            yield _outcome(future, part, recipe)
+
+
+def _outcome(future: Any, part: list[Task], recipe: Recipe) -> Made:
+    """What became of a part; where its worker ended, rows that say so."""
+    error = future.exception()
+    if error is None:
+        made: Made = future.result()
+        return made
+    folder = tempfile.mkdtemp(prefix="part-", dir=recipe.staging)
+    return Made(folder, [Converted(one.path, "", error=in_words(error, one.path)) for one in part])
