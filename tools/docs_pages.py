@@ -39,6 +39,7 @@ MODULES = {
     "bridge": ("bridge", "bridge.bridge bridge.sinks bridge.errors"),
     "sim": ("sim: simulated vehicles", "sim"),
     "fleet": ("fleet: logs on many machines", "fleet"),
+    "lake": ("lake: many logs as one table for each type", "lake"),
     "plots": ("plots and maps", "plots"),
     "mission-parameters-files": ("Missions, parameters, files", "mavwp mavparm mavftp"),
     "expressions": ("Expressions", "expression mavexpression"),

@@ -16,7 +16,7 @@ from integration import doc_page
 ROOT = Path(__file__).parents[3]
 PAGES = (
     "tutorial", "porting", "signing", "dialects", "vehicles", "faq", "links", "aio", "bridge", "sim",
-    "logs", "columns", "dataflash", "plots", "fleet",
+    "logs", "columns", "dataflash", "plots", "fleet", "lake",
 )  # fmt: skip
 TIMEOUT = 280
 
