@@ -113,6 +113,11 @@ bench-threads: ## Make tables of logs on one thread and on two
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/threads.py $(BENCH_FLAGS)
 
+.PHONY: bench-lake
+bench-lake: $(VENV)/.requirements-test ## Make tables of 200 logs, as files of each log and as a lake (BENCH_FLAGS=--formats)
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/lake.py $(BENCH_FLAGS)
+
 .PHONY: bench-bridge
 bench-bridge: ## Forward through a bridge at rising rates, to many links, from many components
 	@$(MAKE) --no-print-directory build PROFILE=release
