@@ -31,7 +31,7 @@ def add_query(parser: argparse.ArgumentParser) -> None:
 
 
 def query_of(args: argparse.Namespace) -> dict[str, Any]:
-    """The arguments of `convert` and `ingest` that they stand for."""
+    """The arguments of `convert` and `ingest` that they become."""
     given = ("units", "enums", "invalid", "unknown", "dialect")
     return {
         **{name: getattr(args, name) for name in given},
