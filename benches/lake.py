@@ -160,7 +160,7 @@ def run(folder: Path, logs: int, among: int, runs: int) -> list[list[str]]:
         bench.row(
             "`ingest --scheduler`, Dask, without its worker", logs, words, "scheduled", sums_of_lake
         )
-    small = folder / "small"
+    small = folder / "small-logs"
     small.mkdir()
     content = [_small(folder, seed) for seed in range(10)]
     for number in range(among):
