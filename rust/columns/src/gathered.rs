@@ -7,11 +7,12 @@ use std::io::Write;
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayRef, AsArray, FixedSizeListArray, PrimitiveArray, RecordBatch, StringBuilder,
+    Array, ArrayRef, AsArray, FixedSizeListArray, PrimitiveArray, RecordBatch,
+    StringDictionaryBuilder,
 };
 use arrow::buffer::ScalarBuffer;
 use arrow::compute::{cast, concat};
-use arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef, UInt64Type};
+use arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef, UInt32Type, UInt64Type};
 use arrow::error::ArrowError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
@@ -77,7 +78,6 @@ impl<W: Write + Send> Gathered<W> {
         if batches.iter().any(|batch| batch.num_columns() != self.plain.fields().len()) {
             return Err(ArrowError::SchemaError("the tables have different columns".into()).into());
         }
-        let rows = batches.iter().map(|batch| batch.num_rows()).sum::<usize>();
         let schema = Arc::clone(self.file.schema());
         let column = |index: usize| match batches.first() {
             Some(first) if index < first.num_columns() => {
@@ -85,12 +85,13 @@ impl<W: Write + Send> Gathered<W> {
                     batches.iter().map(|batch| batch.column(index).as_ref()).collect();
                 stored(&concat(&parts)?, schema.field(index).data_type())
             }
-            _ => Ok(origins(pieces, index - self.plain.fields().len(), rows)),
+            _ => origins(pieces, index - self.plain.fields().len()),
         };
         let columns: Result<Vec<ArrayRef>, ArrowError> =
             pool::run(|| (0..schema.fields().len()).into_par_iter().map(column).collect());
-        self.file.write(&RecordBatch::try_new(Arc::clone(&schema), columns?)?)?;
-        self.rows += rows as u64;
+        let rows = RecordBatch::try_new(Arc::clone(&schema), columns?)?;
+        self.file.write(&rows)?;
+        self.rows += rows.num_rows() as u64;
         Ok(())
     }
 
@@ -112,16 +113,17 @@ impl<W: Write + Send> Gathered<W> {
     }
 }
 
-/// The log or the digest of each row.
-fn origins(pieces: &[Piece<'_>], which: usize, rows: usize) -> ArrayRef {
-    let mut texts = StringBuilder::with_capacity(rows, 0);
+/// The log or the digest of each row. As a dictionary, a text is not copied for each of them.
+fn origins(pieces: &[Piece<'_>], which: usize) -> Result<ArrayRef, ArrowError> {
+    let mut texts = StringDictionaryBuilder::<UInt32Type>::new();
     for (batches, origin) in pieces {
-        let rows: usize = batches.iter().map(RecordBatch::num_rows).sum();
-        for _ in 0..rows {
-            texts.append_option(origin.map(|texts| texts[which]));
+        let rows = batches.iter().map(RecordBatch::num_rows).sum();
+        match origin {
+            Some(origin) => texts.append_n(origin[which], rows).map(drop)?,
+            None => texts.append_nulls(rows),
         }
     }
-    Arc::new(texts.finish())
+    Ok(Arc::new(texts.finish()))
 }
 
 /// The columns as they are stored.
@@ -134,7 +136,8 @@ fn stored_schema(plain: &Schema, with_origin: bool) -> SchemaRef {
     };
     let mut fields: Vec<Field> = plain.fields().iter().map(field).collect();
     if with_origin {
-        fields.extend(ORIGIN.map(|name| Field::new(name, DataType::Utf8, false)));
+        let text = DataType::Dictionary(Box::new(DataType::UInt32), Box::new(DataType::Utf8));
+        fields.extend(ORIGIN.map(|name| Field::new(name, text.clone(), false)));
     }
     Arc::new(Schema::new_with_metadata(fields, plain.metadata().clone()))
 }
