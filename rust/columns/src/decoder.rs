@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::input::Steps;
-use crate::layout::{Layout, Options, names_len};
+use crate::layout::{Layouts, Options, names_len};
 use crate::reader::{Batch, Limits, Plan, TakeIn};
 use crate::row_block::{Chosen, PIECE, RowBlock, Side, portions};
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN};
@@ -33,6 +33,7 @@ pub(crate) struct Decoder {
     unknown_table: Option<UnknownTable>,
     limits: Limits,
     options: Options,
+    layouts: Arc<Layouts>,
     tables: Tables,
     pieces: Vec<RowBlock>,
     /// Bytes of a row of each table while it is laid beside the others.
@@ -43,7 +44,8 @@ pub(crate) struct Decoder {
 
 impl Decoder {
     pub(crate) fn new(registry: Arc<Registry>, framing: Framing, steps: Steps, plan: Plan) -> Self {
-        let Plan { wanted, options, limits, unknown_table, .. } = plan;
+        let Plan { wanted, options, layouts, limits, unknown_table, .. } = plan;
+        let layouts = layouts.unwrap_or_else(|| Arc::new(Layouts::new(&registry, options.clone())));
         let scanner = LogScanner::new(Arc::clone(&registry), framing).with_stretch(steps.stretch);
         let messages = &registry.dialect().messages;
         let tables = Tables::new(messages.len(), limits);
@@ -66,6 +68,7 @@ impl Decoder {
             unknown_table: unknown_table.then(UnknownTable::default),
             limits,
             options,
+            layouts,
             tables,
             pieces,
             strides,
@@ -117,12 +120,12 @@ impl TakeIn for Decoder {
         done: f64,
     ) -> Result<Vec<Batch>, Error> {
         self.sort(block, scanned, some);
-        let Self { registry, options, tables, pieces, unknown_table, limits, .. } = self;
+        let Self { registry, options, layouts, tables, pieces, unknown_table, limits, .. } = self;
         let new = |index| {
-            let layout = Layout::new(registry, index as u16, options);
+            let layout = layouts.of(registry, index as u16);
             let fields = TextFields::of(registry.message(index as u16));
             let fields = fields.filter(|_| !options.text_parts);
-            TableBuilder::new(Arc::new(layout)).with_long_texts(fields)
+            TableBuilder::new(layout).with_long_texts(fields)
         };
         tables.append(pieces, done, new, append);
         let mut batches = tables.complete()?;

@@ -5,7 +5,7 @@
 //! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid` (as sent, before scaling).
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
 use mavwire_core::registry::Registry;
@@ -29,7 +29,7 @@ pub enum Invalid {
 }
 
 /// How a table is wanted.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Options {
     /// Values in SI units.
     pub si: bool,
@@ -95,6 +95,32 @@ pub struct Column {
     pub names: Option<Names>,
     /// Which values become nulls.
     pub invalid: Option<InvalidRule>,
+}
+
+/// The columns of all messages, made when a log has the first one, and used again for other logs.
+#[derive(Debug)]
+pub struct Layouts {
+    options: Options,
+    made: Box<[OnceLock<Arc<Layout>>]>,
+}
+
+impl Layouts {
+    /// Those of the messages of a registry.
+    pub fn new(registry: &Registry, options: Options) -> Self {
+        let made = registry.dialect().messages.iter().map(|_| OnceLock::new()).collect();
+        Self { options, made }
+    }
+
+    /// What they were made with.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// The columns of the message with an index in the same registry.
+    pub(crate) fn of(&self, registry: &Registry, index: u16) -> Arc<Layout> {
+        let layout = || Arc::new(Layout::new(registry, index, &self.options));
+        Arc::clone(self.made[usize::from(index)].get_or_init(layout))
+    }
 }
 
 /// The columns of a message type.

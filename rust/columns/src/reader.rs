@@ -11,7 +11,7 @@ use mavwire_core::registry::Registry;
 use crate::decoder::Decoder;
 use crate::error::Error;
 use crate::input::{Blocks, Steps};
-use crate::layout::Options;
+use crate::layout::{Layouts, Options};
 use crate::pool;
 use crate::row_block::Rest;
 use crate::scan::Framing;
@@ -108,6 +108,8 @@ pub struct Plan {
     pub wanted: Wanted,
     /// As which columns.
     pub options: Options,
+    /// The columns of messages with these options, where other logs were read with them.
+    pub layouts: Option<Arc<Layouts>>,
     /// In which batches.
     pub limits: Limits,
     /// Whether messages that the dialect does not define become a table.

@@ -117,8 +117,9 @@ impl Query {
             ..Limits::NONE
         };
         let unknown_table = self.unknown.as_deref() == Some("table");
-        let wanted = self.wanted(dialect);
-        Plan { wanted, options: self.options(), limits, unknown_table, size }
+        let (wanted, options) = (self.wanted(dialect), self.options());
+        let layouts = dialect.map(|dialect| dialect.layouts(&options));
+        Plan { wanted, options, layouts, limits, unknown_table, size }
     }
 
     /// Only records of some time are wanted.
