@@ -92,7 +92,8 @@ def do_part(tasks: list[Task], recipe: Recipe) -> Made:
                 shared=shared, partition=recipe.partition, known=task.digest,
             )  # fmt: skip
             made.rows.append(_done(task, job, recipe))
-            made.files += job.files
+            # Not within the row's errors: where a shared file cannot be written, rows of other logs are lost too.
+            made.files += job.finish()
         made.files += shared.finish()
     return made
 
@@ -122,7 +123,8 @@ class _Job(Job):
     shared: Any = None
     partition: tuple[str, ...] = ()
     known: str = ""
-    files: list[Written] = field(default_factory=list)
+    rows: _LogRows | None = None
+    """Those of a log that was read."""
 
     def _convert(self, source: Source, row: Converted) -> None:
         row.digest = digest_of(source)
@@ -136,7 +138,11 @@ class _Job(Job):
         position, row.bad_bytes, row.error, unknown = log.progress()
         check_run(source, row.path, position, row.bad_bytes, row.error)
         row.unknown = named(unknown)
-        row.rows = rows.finish()
+        row.rows, self.rows = rows.count, rows
+
+    def finish(self) -> list[Written]:
+        """Hand on what is left of the rows; the files of the log alone."""
+        return [] if self.rows is None else self.rows.finish()
 
 
 class _LogRows:
@@ -146,7 +152,8 @@ class _LogRows:
         self._job = job
         self._origin = origin
         self._kept: list[tuple[Key, RecordBatches, int]] = []
-        self._bytes = self._rows = 0
+        self._bytes = 0
+        self.count = 0
         self._own: Gatherer | None = None
         self._day: str | None = None
         self._has_day = False
@@ -160,7 +167,7 @@ class _LogRows:
                 size = part.nbytes
                 self._kept.append((key, part, size))
                 self._bytes += size
-                self._rows += part.num_rows
+                self.count += part.num_rows
         if self._bytes >= LARGE_BYTES or self._own is not None:
             self._own = self._own or Gatherer(self._job.out)
             self._hand_on(self._own)
@@ -192,12 +199,10 @@ class _LogRows:
             files.add(key, part, size, self._origin)
         self._kept, self._bytes = [], 0
 
-    def finish(self) -> int:
-        """Hand on what is left; the rows."""
+    def finish(self) -> list[Written]:
+        """Hand on what is left; the files of the log alone."""
         self._hand_on(self._own or self._job.shared)
-        if self._own is not None:
-            self._job.files += self._own.finish()
-        return self._rows
+        return [] if self._own is None else self._own.finish()
 
 
 def day_of(tables: list[RecordBatches]) -> str | None:
