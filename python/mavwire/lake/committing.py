@@ -40,6 +40,7 @@ class Lake:
     """A folder of tables. One process at a time changes it."""
 
     def __init__(self, root: str, options: dict[str, Any] | None) -> None:
+        delta.check_installed()
         self.root = root
         self._options = options
         self._store = Store(root)

@@ -24,10 +24,15 @@ Column = dict[str, Any]
 """A field of a schema as Delta Lake writes it."""
 
 
+def check_installed() -> None:
+    """ImportError without `deltalake`: a run says so before it reads any log."""
+    with extra("lake"):
+        import deltalake  # noqa: F401
+
+
 def opened(folder: str) -> Any:
     """The table in a folder, None if there is none."""
-    with extra("lake"):
-        from deltalake import DeltaTable
+    from deltalake import DeltaTable
 
     is_there = os.path.isdir(os.path.join(folder, "_delta_log"))  # which costs less to know
     return DeltaTable(folder) if is_there and DeltaTable.is_deltatable(folder) else None
@@ -92,9 +97,8 @@ def apply(table: Any, folder: str, batch: int, change: dict[str, Any]) -> int:
     `change` has `columns`, `partition`, `add` and `remove` (adds without statistics), and `data`,
     whether rows come or go.
     """
-    with extra("lake"):
-        from deltalake import CommitProperties, Schema, Transaction
-        from deltalake.transaction import AddAction, RemoveAction, create_table_with_add_actions
+    from deltalake import CommitProperties, Schema, Transaction
+    from deltalake.transaction import AddAction, RemoveAction, create_table_with_add_actions
 
     if table is not None and (table.transaction_version(APP) or 0) >= batch:
         return int(table.version())

@@ -13,7 +13,7 @@ import argparse
 import re
 
 from mavwire._signals import ended_in_order
-from mavwire.cli._errors import CommandError, refused
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._progress import Progress
 from mavwire.cli.logs._query_arguments import add_query, query_of
 from mavwire.cli.logs._told_rows import tell_rows
@@ -48,10 +48,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read."""
     if not args.logs and not args.compact:
         raise CommandError("name logs, or --compact to merge files")
-    try:
-        from mavwire import lake
-    except ImportError as error:
-        raise CommandError(str(error)) from error
+    from mavwire import lake
+
     bar = Progress("", enabled=not args.quiet)
     try:
         with refused(ValueError, ImportError), ended_in_order():
@@ -69,6 +67,8 @@ def main(args: argparse.Namespace) -> int:
     finally:
         bar.finish()
     failed = tell_rows("ingest", "added", rows, args)
+    if failed:
+        tell(f"mavwire ingest: {failed:,} of {len(rows):,} logs could not be read")
     if args.compact and not args.quiet:
         print(f"{args.out}: merged {sum(merged.values()):,} files of {len(merged)} tables")
     return 1 if failed else 0
