@@ -223,59 +223,75 @@ def day_of(tables: list[RecordBatches]) -> str | None:
         return None
 
 
+@dataclass
+class _Rows:
+    """Rows of a table and partition: those that wait to be written, and the file of those before."""
+
+    waiting: list[tuple[RecordBatches, tuple[str, str]]] = field(default_factory=list)
+    count: int = 0
+    size: int = 0
+    """Bytes of those that wait."""
+    file: LakeFile | None = None
+    name: str = ""
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+
+
 class Gatherer:
     """Files of a part, one for each table and partition."""
 
     def __init__(self, folder: str) -> None:
         self._folder = folder
-        self._waiting: dict[Key, list[tuple[RecordBatches, tuple[str, str]]]] = {}
-        self._rows: dict[Key, int] = {}
-        self._sizes: dict[Key, int] = {}
+        self._rows: dict[Key, _Rows] = {}
         self._bytes = 0
-        """Those of all rows that wait, of which each key has some."""
-        self._open: dict[Key, tuple[LakeFile, str, RecordBatches]] = {}
+        """Those of all rows that wait."""
+        self._open = 0
         self._done: list[Written] = []
 
     def add(self, key: Key, batches: RecordBatches, size: int, origin: tuple[str, str]) -> None:
         """Take some rows of a log, and their bytes."""
-        self._waiting.setdefault(key, []).append((batches, origin))
-        self._rows[key] = self._rows.get(key, 0) + batches.num_rows
-        self._sizes[key] = self._sizes.get(key, 0) + size
+        rows = self._rows.get(key)
+        if rows is None:
+            rows = self._rows[key] = _Rows(metadata=batches.metadata())
+        rows.waiting.append((batches, origin))
+        rows.count += batches.num_rows
+        rows.size += size
         self._bytes += size
-        if self._rows[key] >= GROUP_ROWS:
-            self._write(key)
+        if rows.count >= GROUP_ROWS:
+            self._write(key, rows)
         elif self._bytes >= WAITING_BYTES:
-            for one in list(self._waiting):
-                self._write(one)
+            for each in self._rows.items():
+                self._write(*each)
 
     def finish(self) -> list[Written]:
         """Write everything."""
-        for key in sorted({*self._waiting, *self._open}, key=str):
-            self._write(key)
-            self._close(key)
+        for key, rows in sorted(self._rows.items(), key=lambda each: str(each[0])):
+            self._write(key, rows)
+            self._close(key, rows)
         return self._done
 
-    def _write(self, key: Key) -> None:
-        pieces = self._waiting.pop(key, [])
-        if not pieces:
+    def _write(self, key: Key, rows: _Rows) -> None:
+        if not rows.waiting:
             return
-        self._rows[key] = 0
-        self._bytes -= self._sizes.pop(key)
-        if key not in self._open:
-            if len(self._open) >= OPEN_FILES:
-                self._close(next(iter(self._open)))
-            name = f"{secrets.token_hex(8)}.parquet"
-            file = LakeFile(os.path.join(self._folder, name))
-            self._open[key] = file, name, pieces[0][0]
-        file, *_ = self._open[key]
-        if file.write(pieces) >= FILE_BYTES:
-            self._close(key)
+        if rows.file is None:
+            if self._open >= OPEN_FILES:
+                self._close(*next(each for each in self._rows.items() if each[1].file is not None))
+            rows.name = f"{secrets.token_hex(8)}.parquet"
+            rows.file = LakeFile(os.path.join(self._folder, rows.name))
+            self._open += 1
+        size = rows.file.write(rows.waiting)
+        self._bytes -= rows.size
+        rows.waiting, rows.count, rows.size = [], 0, 0
+        if size >= FILE_BYTES:
+            self._close(key, rows)
 
-    def _close(self, key: Key) -> None:
-        if key not in self._open:
-            return
-        file, name, like = self._open.pop(key)
-        self._done.append(finished(file, self._folder, name, key[0], dict(key[1]), like.metadata()))
+    def _close(self, key: Key, rows: _Rows) -> None:
+        if rows.file is not None:
+            partition = dict(key[1])
+            self._done.append(
+                finished(rows.file, self._folder, rows.name, key[0], partition, rows.metadata)
+            )
+            rows.file = None
+            self._open -= 1
 
 
 def finished(
