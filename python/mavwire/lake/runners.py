@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import tempfile
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import TYPE_CHECKING, Any
 
 from mavwire._text import in_words
-from mavwire.fleet.clients import connected
 from mavwire.logs.manifest import Converted
 
 from .doing import Made, Recipe, do_part
@@ -30,6 +27,9 @@ def run_here(parts: Parts, recipe: Recipe) -> Iterator[Made]:
 
 def run_pool(parts: Parts, recipe: Recipe, workers: int) -> Iterator[Made]:
     """Do parts in processes of this machine."""
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+
     share = str(max(1, (os.cpu_count() or 1) // workers))
     spawned = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, spawned, _set_threads, (share,)) as pool:
@@ -47,11 +47,13 @@ def _set_threads(count: str) -> None:
 
 def run_dask(parts: Parts, recipe: Recipe, client: Any) -> Iterator[Made]:
     """Do parts on a Dask cluster, whose workers see the lake by the same path."""
-    from distributed import as_completed as completed
+    from mavwire.fleet.clients import connected
 
     with connected(client, None) as cluster:
+        from distributed import as_completed
+
         futures = {cluster.submit(do_part, part, recipe, pure=False): part for part in parts}
-        pending = completed(futures, loop=cluster.loop)
+        pending = as_completed(futures, loop=cluster.loop)
         for future in pending:
             part = futures.pop(future)
             if future.status == "error" and len(part) > 1:  # one of them may be what ends workers
