@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from mavwire import expression as expression
     from mavwire import fleet as fleet
     from mavwire import generator as generator
+    from mavwire import lake as lake
     from mavwire import logs as logs
     from mavwire import mavexpression as mavexpression
     from mavwire import mavextra as mavextra
@@ -53,7 +54,7 @@ _LAZY = {
 # mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
 _MODULES = frozenset(
     (
-        "aio bridge expression fleet logs mavutil plots shadow sim tools traffic "
+        "aio bridge expression fleet lake logs mavutil plots shadow sim tools traffic "
         "dialects generator mavexpression mavextra quaternion rotmat"
     ).split()
 )
