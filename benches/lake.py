@@ -1,6 +1,6 @@
 """`make bench-lake`: what it costs to make tables of many logs, as files of each log and as a lake.
 
-Each row is a process of its own; its CPU time is that of its children too. Every lake must have the rows of the
+Each row is a process of its own; its CPU time is that of its children and of its cluster too. Every lake must have the rows of the
 converted files, value by value: DuckDB sums a hash of each row. `--files` is the number of logs, each of 20,000
 messages, `--among` how many small logs there are already where one more is added.
 """
@@ -19,6 +19,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import duckdb
+import psutil
 from mavwire import lake, traffic
 
 sys.path.append(str(Path(__file__).parent / "python"))
@@ -31,19 +32,36 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks.md"
 SMALL = 200
 """Messages of a small log."""
 
+READ = """
+import sys, polars
+table, log = sys.argv[1:]
+def read(): return int(open("/proc/self/io").readline().split()[1])
+before = read()
+print(polars.scan_delta(table).filter(polars.col("log") == log).collect().height)
+print(read() - before)
+"""
+"""Reads the rows of a log, and prints how many there are and the bytes read."""
+
 Sums = dict[str, tuple[int, int]]
 """Rows and a hash, by message type."""
 
 
+def busy() -> float:
+    """CPU seconds of this process and of those that it has: of a cluster, its scheduler and workers."""
+    own = psutil.Process()
+    times = [one.cpu_times() for one in (own, *own.children(recursive=True))]
+    return sum(one.user + one.system for one in times)
+
+
 def spent(words: list[str]) -> tuple[float, float]:
-    """CPU and wall time of a command."""
-    began = perf_counter()
+    """CPU and wall time of a command, and of a cluster that it uses."""
+    before, began = busy(), perf_counter()
     process = subprocess.Popen([sys.executable, "-m", "mavwire", *words, "--quiet"])
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise SystemExit(f"{' '.join(words[:1])} ended with {process.returncode}")
-    return usage.ru_utime + usage.ru_stime, perf_counter() - began
+    return usage.ru_utime + usage.ru_stime + busy() - before, perf_counter() - began
 
 
 def sums_of_lake(root: Path) -> Sums:
@@ -117,15 +135,29 @@ class Bench:
             if found != self.expected:
                 raise SystemExit(f"{name}: other rows than the first one has")
         files, size = files_in(place)
-        cells = [
-            name,
-            f"{logs:,}",
-            f"{messages:,}" if messages else "",
-            f"{cpu:.2f}",
-            f"{wall:.2f}",
-        ]
-        self.rows.append([*cells, f"{files:,}", f"{size / 1e6:.1f}"])
-        print(f"| {' | '.join(self.rows[-1])} |", flush=True)
+        count = f"{messages:,}" if messages else ""
+        cells = [name, f"{logs:,}", count, f"{cpu:.2f}", f"{wall:.2f}"]
+        self._add([*cells, f"{files:,}", f"{size / 1e6:.1f}"])
+
+
+    def read(self, lake: str, log: Path) -> None:
+        """Measure how a type of one log is read, and the bytes that takes."""
+        words = [sys.executable, "-c", READ, str(self._folder / lake / "ATTITUDE"), str(log)]
+        times = []
+        for _ in range(self._runs):
+            began, before = perf_counter(), os.times()
+            made = subprocess.run(words, capture_output=True, text=True, check=True)
+            used = os.times()
+            cpu = sum(used[2:4]) - sum(before[2:4])  # of children that ended
+            times.append((cpu, perf_counter() - began))
+        cpu, wall = (median(one) for one in zip(*times, strict=True))
+        rows, size = map(int, made.stdout.split())
+        name = "`ATTITUDE` of one of these in polars, and MB read"
+        self._add([name, "1", f"{rows:,}", f"{cpu:.2f}", f"{wall:.2f}", "", f"{size / 1e6:.1f}"])
+
+    def _add(self, cells: list[str]) -> None:
+        self.rows.append(cells)
+        print(f"| {' | '.join(cells)} |", flush=True)
 
 
 def run(folder: Path, logs: int, among: int, runs: int) -> list[list[str]]:
@@ -158,7 +190,7 @@ def run(folder: Path, logs: int, among: int, runs: int) -> list[list[str]]:
     with Cluster() as address:
         words = ["ingest", *paths, "--scheduler", address]
         bench.row(
-            "`ingest --scheduler`, Dask, without its worker", logs, words, "scheduled", sums_of_lake
+            "`ingest --scheduler`, Dask", logs, words, "scheduled", sums_of_lake
         )
     small = folder / "small-logs"
     small.mkdir()
@@ -178,6 +210,7 @@ def run(folder: Path, logs: int, among: int, runs: int) -> list[list[str]]:
         "one more among these", among + 1, ["ingest", f"{small}/*.tlog"], "small", None, again=True,
         before=lambda: (small / f"{next(more):06}.tlog").write_bytes(content[3]),
     )  # fmt: skip
+    bench.read("small", small / f"{among // 2:06}.tlog")
     bench.row("`ingest --compact`", 0, ["ingest", "--compact"], "small", None, again=True)
     return [list(HEADINGS), *bench.rows]
 
