@@ -89,7 +89,7 @@ def _run(todo: Plan, recipe: Recipe, workers: int | None, client: Any) -> Iterat
         return iter(())
     if client is not None:
         return run_dask(todo.parts, recipe, client)
-    if workers is not None:
+    if workers is not None and workers > 1:
         return run_pool(todo.parts, recipe, workers)
     return run_here(todo.parts, recipe)
 
