@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -374,16 +375,48 @@ def test_a_large_log_has_files_of_its_own(
     assert contents_of(logs, tmp_path / "three") == expected
 
 
+def test_a_full_disk_ends_a_run_and_the_next_one_adds_all(
+    logs: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from mavwire.lake import doing
+
+    class Full:
+        def __init__(self, path: str) -> None:
+            self._path = path
+
+        def write(self, pieces: Any) -> int:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(doing, "GROUP_ROWS", 1)
+        patched.setattr(doing, "LakeFile", Full)
+        with pytest.raises(OSError, match="No space left"):
+            lake.ingest(logs, tmp_path / "lake")
+        assert not (tmp_path / "lake").exists()
+    assert contents_of(logs, tmp_path / "lake") == contents_of(logs, tmp_path / "other")
+
+
+def test_without_deltalake_no_log_is_read(
+    logs: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "deltalake", None)
+    with pytest.raises(ImportError, match=r"deltalake is needed: pip install 'mavwire\[lake\]'"):
+        lake.ingest(logs, tmp_path / "lake")
+    assert not (tmp_path / "lake").exists()
+
+
 def test_command(logs: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     root = str(tmp_path / "lake")
     assert cli.main(["ingest", *map(str, logs), "-o", root]) == 0
     assert "flight0.tlog: added, 400 rows\n" in capsys.readouterr().out
     assert cli.main(["ingest", f"{logs[0].parent}/*.tlog", "-o", root, "--compact"]) == 0
     out = capsys.readouterr().out
-    assert "flight0.tlog: added before, 400 rows\n" in out and "merged" in out
+    assert f"{root}: 3 logs were added before\n" in out and "merged" in out
+    assert "flight0" not in out
     bad = tmp_path / "notes.txt"
     bad.write_text("no log")
     assert cli.main(["ingest", str(bad), "-o", root, "--shard", "1/1"]) == 1
+    assert "1 of 1 logs could not be read" in capsys.readouterr().err
     for wrong in (["--shard", "1"], ["--shard", "2/1"], ["--workers", "0"], ["--partition", "x"]):
         assert cli.main(["ingest", str(bad), "-o", root, *wrong]) == 1
     assert cli.main(["ingest", "-o", root]) == 1

@@ -66,7 +66,10 @@ def main(args: argparse.Namespace) -> int:
             merged = lake.compact(args.out) if args.compact else {}
     finally:
         bar.finish()
-    failed = tell_rows("ingest", "added", rows, args)
+    new = [row for row in rows if row.error or not row.skipped]
+    failed = tell_rows("ingest", "added", new, args)
+    if len(new) < len(rows) and not args.quiet:
+        print(f"{args.out}: {len(rows) - len(new):,} logs were added before")
     if failed:
         tell(f"mavwire ingest: {failed:,} of {len(rows):,} logs could not be read")
     if args.compact and not args.quiet:
