@@ -136,7 +136,7 @@ def _local_cluster(workers: int | None) -> Any:
     share = {"RAYON_NUM_THREADS": str(max(1, processors // count))}
     cluster = None
     try:
-        with _interrupts_put_off():
+        with interrupts_put_off():
             cluster = LocalCluster(
                 n_workers=count,
                 threads_per_worker=1,
@@ -152,7 +152,7 @@ def _local_cluster(workers: int | None) -> Any:
 
 
 @contextmanager
-def _interrupts_put_off() -> Iterator[None]:
+def interrupts_put_off() -> Iterator[None]:
     """Ctrl-C goes to all processes of a terminal, and so does a hangup. Those that are made here,
     and by threads that are made here, inherit that it is blocked: this one ends them in good order,
     without a traceback from each. Another thread receives signals that arrive meanwhile, or this one does afterwards.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
 from typing import TYPE_CHECKING, Any
 
@@ -30,10 +31,13 @@ def run_pool(parts: Parts, recipe: Recipe, workers: int) -> Iterator[Made]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor, as_completed
 
+    from mavwire.fleet.clients import interrupts_put_off
+
     share = str(max(1, (os.cpu_count() or 1) // workers))
     spawned = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, spawned, _set_threads, (share,)) as pool:
-        futures = {pool.submit(do_part, part, recipe): part for part in parts}
+    with ProcessPoolExecutor(workers, spawned, _begin, (share,)) as pool:
+        with interrupts_put_off():
+            futures = {pool.submit(do_part, part, recipe): part for part in parts}
         try:
             for future in as_completed(futures):
                 yield _outcome(future, futures[future], recipe)
@@ -41,8 +45,14 @@ def run_pool(parts: Parts, recipe: Recipe, workers: int) -> Iterator[Made]:
             pool.shutdown(cancel_futures=True)
 
 
-def _set_threads(count: str) -> None:
-    os.environ["RAYON_NUM_THREADS"] = count
+def _begin(threads: str) -> None:
+    """Begin a worker. It was made with signals of a terminal blocked: from here on Ctrl-C ends it, without a
+    traceback.
+    """
+    os.environ["RAYON_NUM_THREADS"] = threads
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT, signal.SIGHUP])
 
 
 def run_dask(parts: Parts, recipe: Recipe, client: Any) -> Iterator[Made]:

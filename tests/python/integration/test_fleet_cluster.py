@@ -295,12 +295,12 @@ def test_what_dask_logs_of_a_cluster_of_this_machine_is_not_shown() -> None:
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
 def test_what_ends_a_run_waits_until_the_cluster_has_begun() -> None:
     """Dask is not interrupted in the middle of its start, which it tells of at length."""
-    from mavwire.fleet.clients import _interrupts_put_off
+    from mavwire.fleet.clients import interrupts_put_off
 
     heard = []
     before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
     try:
-        with _interrupts_put_off():
+        with interrupts_put_off():
             signal.raise_signal(signal.SIGTERM)
             assert not heard
         assert heard == [signal.SIGTERM]
