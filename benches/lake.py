@@ -139,7 +139,6 @@ class Bench:
         cells = [name, f"{logs:,}", count, f"{cpu:.2f}", f"{wall:.2f}"]
         self._add([*cells, f"{files:,}", f"{size / 1e6:.1f}"])
 
-
     def read(self, lake: str, log: Path) -> None:
         """Measure how a type of one log is read, and the bytes that takes."""
         words = [sys.executable, "-c", READ, str(self._folder / lake / "ATTITUDE"), str(log)]
@@ -189,9 +188,7 @@ def run(folder: Path, logs: int, among: int, runs: int) -> list[list[str]]:
     )
     with Cluster() as address:
         words = ["ingest", *paths, "--scheduler", address]
-        bench.row(
-            "`ingest --scheduler`, Dask", logs, words, "scheduled", sums_of_lake
-        )
+        bench.row("`ingest --scheduler`, Dask", logs, words, "scheduled", sums_of_lake)
     small = folder / "small-logs"
     small.mkdir()
     content = [_small(folder, seed) for seed in range(10)]

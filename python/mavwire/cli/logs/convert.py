@@ -73,7 +73,9 @@ def main(args: argparse.Namespace) -> int:
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)
     hint = None if _is_fleet(args) else partial(_hint, logs=args.logs)
-    failed += tell_rows("convert", "converted", rows, args, hint, not undescribed, args.from_unknown)
+    failed += tell_rows(
+        "convert", "converted", rows, args, hint, not undescribed, args.from_unknown
+    )
     return 1 if failed else 0
 
 
