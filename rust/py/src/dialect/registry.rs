@@ -1,9 +1,9 @@
 //! A dialect as Python holds it: the registry that scans frames, and one Python class per message, made on first use.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
-use mavwire_columns::layout::{Layouts, Options};
+use mavwire_columns::layout::Layouts;
 use mavwire_core::builtin;
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::registry::Registry;
@@ -41,8 +41,8 @@ pub(crate) struct Dialect {
     make_class: OnceLock<Py<PyAny>>,
     /// The original `MAVLink_bad_data` and `MAVLink_unknown` of the module.
     special: OnceLock<Vec<Py<PyAny>>>,
-    /// Those that were used last.
-    layouts: Mutex<Option<Arc<Layouts>>>,
+    /// The columns of its messages, as they were last wanted.
+    pub(crate) layouts: Mutex<Option<Arc<Layouts>>>,
 }
 
 /// A definition file by the path that an `<include>` gives: the user's first, else one that comes with mavwire.
@@ -67,18 +67,6 @@ fn wire_version(text: &str) -> PyResult<WireVersion> {
 }
 
 impl Dialect {
-    /// The columns of its messages: made once for logs that are read with the same options.
-    pub(crate) fn layouts(&self, options: &Options) -> Arc<Layouts> {
-        let mut last = self.layouts.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*last {
-            Some(layouts) if layouts.options() == options => Arc::clone(layouts),
-            _ => {
-                let layouts = Arc::new(Layouts::new(&self.registry, options.clone()));
-                Arc::clone(last.insert(layouts))
-            }
-        }
-    }
-
     fn new(registry: Registry) -> Self {
         let messages = &registry.dialect().messages;
         Self {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::{Invalid, Layout, Options};
+use mavwire_columns::layout::{Invalid, Layout, Layouts, Options};
 use mavwire_columns::mcap::Descriptions;
 use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::select::Wanted;
@@ -118,7 +118,7 @@ impl Query {
         };
         let unknown_table = self.unknown.as_deref() == Some("table");
         let (wanted, options) = (self.wanted(dialect), self.options());
-        let layouts = dialect.map(|dialect| dialect.layouts(&options));
+        let layouts = dialect.map(|dialect| layouts(dialect, &options));
         Plan { wanted, options, layouts, limits, unknown_table, size }
     }
 
@@ -130,6 +130,18 @@ impl Query {
     /// Refuses a log without times if only records of some time are wanted.
     pub(crate) fn check_times(&self, has_times: bool) -> Result<(), Error> {
         if has_times || !self.is_timed() { Ok(()) } else { Err(Error::Untimed) }
+    }
+}
+
+/// The columns of messages: made once for logs that are read with the same options.
+fn layouts(dialect: &Dialect, options: &Options) -> Arc<Layouts> {
+    let mut last = dialect.layouts.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*last {
+        Some(layouts) if layouts.options() == options => Arc::clone(layouts),
+        _ => {
+            let layouts = Arc::new(Layouts::new(&dialect.registry, options.clone()));
+            Arc::clone(last.insert(layouts))
+        }
     }
 }
 
