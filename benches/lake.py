@@ -1,8 +1,8 @@
 """`make bench-lake`: what it costs to make tables of many logs, as files of each log and as a lake.
 
-Each row is a process of its own; its CPU time is that of its children and of its cluster too. Every lake must have the rows of the
-converted files, value by value: DuckDB sums a hash of each row. `--files` is the number of logs, each of 20,000
-messages, `--among` how many small logs there are already where one more is added.
+Each row is a process of its own; its CPU time is that of its children and of its cluster too. Every lake must
+have the rows of the converted files, value by value: DuckDB sums a hash of each row. `--files` is the number of
+logs, each of 20,000 messages, `--among` how many small logs there are already where one more is added.
 """
 
 from __future__ import annotations
