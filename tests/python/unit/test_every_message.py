@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -78,6 +79,27 @@ def test_no_message_of_upstream_is_unknown(
     assert cli.main(["dump", "--dialect", "upstream", "--format", "json", str(path)]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert Counter(json.loads(line)["meta"]["type"] for line in lines) == names
+
+
+@pytest.mark.skipif(
+    "MAVWIRE_UPSTREAM" not in os.environ, reason="needs both upstreams' definitions"
+)
+def test_no_message_of_both_upstreams_is_unknown(tmp_path: Path) -> None:
+    """Made from the upstreams' own files. Files that are not meant to be used together share 25 ids."""
+    made: dict[tuple[str | None, str], bytes] = {}
+    for path in sorted(Path(os.environ["MAVWIRE_UPSTREAM"]).rglob("*.xml")):
+        for message in ET.fromstring(path.read_text(encoding="utf-8-sig")).iter("message"):
+            for field in message.iter("field"):
+                field.attrib.pop("enum", None)
+            one = f"<mavlink><messages>{ET.tostring(message, 'unicode')}</messages></mavlink>"
+            version = 1 if int(message.attrib["id"]) < 256 else 2
+            ((name, frame),) = frames(f"one_{len(made)}", one, version)
+            made[message.get("id"), name] = frame
+    ids = {id_ for id_, _ in made}
+    assert (len(ids), len(made)) == (394, 424)
+    info = mavwire.open_log(write(tmp_path / "upstreams.tlog", list(made.values()))).info()
+    # The first frame of a layout that is not the id's own is the evidence for the others.
+    assert (info.unknown, info.count.messages) == ({}, len(made) - 1)
 
 
 def test_a_bridge_and_its_inspector_name_every_message(log: tuple[Path, list[Frame]]) -> None:
