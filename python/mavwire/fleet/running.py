@@ -248,7 +248,7 @@ class _Run:
         for part in parts:
             whole.rows += part.rows
             whole.bad_bytes += part.bad_bytes
-            whole.unknown.update(part.unknown)  # a log that has any is not cut
+            whole.unknown += part.unknown  # a log that has any is not cut
             whole.files.update(part.files)
             whole.error = whole.error or part.error
         if len(parts) > 1:

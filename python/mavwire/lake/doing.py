@@ -18,7 +18,7 @@ from mavwire.logs.manifest import Converted, in_utf8
 from mavwire.logs.open_files import many_open_files
 from mavwire.logs.reading import native_dialect
 from mavwire.logs.sources import check_run, columns_from, open_dataflash
-from mavwire.logs.unknown import named
+from mavwire.logs.unknown import kinds_of
 
 if TYPE_CHECKING:
     from mavwire._native import RecordBatches
@@ -137,7 +137,7 @@ class _Job(Job):
             rows.add(found)
         position, row.bad_bytes, row.error, unknown = log.progress()
         check_run(source, row.path, position, row.bad_bytes, row.error)
-        row.unknown = named(unknown)
+        row.unknown = kinds_of(unknown)
         row.rows, self.rows = rows.count, rows
 
     def finish(self) -> list[Written]:

@@ -37,7 +37,7 @@ from .selection import Selection, separate_fields
 from .sources import check_run, columns_from, file_status, open_dataflash
 from .staging import remove_left
 from .store import Store
-from .unknown import log_of_table, named
+from .unknown import kinds_of, log_of_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -239,7 +239,7 @@ class Job:
                     self.progress(row.path, min(100.0, 100.0 * position / row.size))
             position, row.bad_bytes, row.error, unknown = log.progress()
             check_run(source, row.path, position, row.bad_bytes, row.error)
-            row.unknown = named(unknown)
+            row.unknown = kinds_of(unknown)
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

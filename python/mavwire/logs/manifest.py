@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from .formats import FORMATS, ONE_FILE
 from .sources import file_status
 from .store import Files
+from .unknown import counts_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -52,8 +53,8 @@ class Converted:
     rows: int = 0
     bad_bytes: int = 0
     """Bytes that belong to no record, which no file has."""
-    unknown: dict[str, int] = field(default_factory=dict)
-    """Messages that the dialect does not define, which no file has: `{"id 180 with CRC_EXTRA 5": messages}`."""
+    unknown: list[dict[str, Any]] = field(default_factory=list)
+    """Messages that the dialect does not define, which no file has: `{"id": 180, "crc_extra": 5, "messages": 17}`."""
     files: dict[str, int] = field(default_factory=dict)
     """`{path below OUT: rows}`."""
     error: str | None = None
@@ -224,6 +225,8 @@ def _checked(stored: Any) -> dict[str, Any] | None:
     try:
         rows = [Converted(**row) for row in stored["logs"]]
         valid = stored["version"] == VERSION and isinstance(stored["options"], dict)
+        for row in rows:
+            counts_of(row.unknown)
         stems = [row.name for row in rows]
         files = [name for row in rows for name in (*row.files, *row.stale)]
         lists = [stored["logs"], *(row.stale for row in rows)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import struct
 import warnings
 from collections import Counter
@@ -79,19 +78,19 @@ def _frame(row: Mapping[str, Any]) -> bytes:
     return (b"\xfe" if row["version"] == 1 else b"\xfd") + body + checksum.to_bytes(2, "little")
 
 
-def named(counts: Mapping[tuple[int, int] | None, int]) -> dict[str, int]:
-    """The counts by the text of each kind, the most frequent first."""
-    texts = {
-        "other kinds" if kind is None else "id {} with CRC_EXTRA {}".format(*kind): count
-        for kind, count in counts.items()
+def kinds_of(counts: Mapping[tuple[int, int] | None, int]) -> list[dict[str, int | None]]:
+    """The counts as manifests hold them, the most frequent kind first. Kinds that were not told apart have no id."""
+    ordered = sorted(counts.items(), key=lambda row: -row[1])
+    rows = ((kind or (None, None), count) for kind, count in ordered)
+    return [{"id": id_, "crc_extra": extra, "messages": count} for (id_, extra), count in rows]
+
+
+def counts_of(kinds: list[dict[str, Any]]) -> dict[tuple[int, int] | None, int]:
+    """The counts that `kinds_of` gave. Raises KeyError and TypeError for anything else."""
+    return {
+        None if kind["id"] is None else (kind["id"], kind["crc_extra"]): kind["messages"]
+        for kind in kinds
     }
-    return dict(sorted(texts.items(), key=lambda row: -row[1]))
-
-
-def counts_of(told: Mapping[str, int]) -> dict[tuple[int, int] | None, int]:
-    """The counts that `named` gave texts for."""
-    numbers = ((re.findall(r"\d+", text), count) for text, count in told.items())
-    return {(int(kind[0]), int(kind[1])) if kind else None: count for kind, count in numbers}
 
 
 def unknown_text(

@@ -23,7 +23,7 @@ from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.selection import DAY, YEAR
-from mavwire.logs.unknown import named, unknown_text
+from mavwire.logs.unknown import kinds_of, unknown_text
 
 if TYPE_CHECKING:
     from mavwire.logs.dialect import Dialects
@@ -95,7 +95,7 @@ class Summary:
             "times_back": info.times_back,
             "times_forward": info.times_forward,
             "bad": info.bad,
-            "unknown": named(info.unknown),
+            "unknown": kinds_of(info.unknown),
             **(_details(info) if self.telemetry else {}),
         }  # fmt: skip
 
