@@ -43,9 +43,9 @@ def dialect_module(dialect: Dialects) -> Any:
     """
     if hasattr(dialect, "MAVLink"):
         return dialect
-    from importlib import import_module
-
-    from mavwire.dialects import load, merged, names
+    from mavwire._text import no_such_dialect
+    from mavwire.dialects import load, merged
+    from mavwire.links.state import load_dialect
 
     if isinstance(dialect, list | tuple) and dialect:
         return merged([dialect_module(one) for one in dialect])
@@ -58,6 +58,7 @@ def dialect_module(dialect: Dialects) -> Any:
         )
     if dialect.endswith(".xml") or os.sep in dialect:
         return load(dialect)
-    if dialect not in names():
-        raise ValueError(f"no such dialect: {dialect!r}")
-    return import_module(f"mavwire.dialects.v20.{dialect}")
+    try:
+        return load_dialect(dialect, "2.0")
+    except FileNotFoundError:
+        raise ValueError(no_such_dialect(dialect)) from None

@@ -355,7 +355,7 @@ address = "ws://:8765"
         ("dedup = -1", ": dedup must be 0 seconds or more"),
         ("dedup = 1e300", ": dedup must be 10000000000 seconds or less, not 1e.300"),
         ("dialect = 3", ": dialect must be a text"),
-        ("max_age = 1\ndialect = 'nope'", ": dialect: no such dialect"),
+        ("max_age = 1\ndialect = 'nope'", ": dialect: no dialect 'nope'; name a built-in one"),
         ("dedup = " + "9" * 5000, ": a number has thousands of digits"),
         ("record = 3", ": record: it needs a directory"),
         ("[record]\ndirectory = 5", ": record: the directory to record to must be a path, not 5"),

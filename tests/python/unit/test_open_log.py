@@ -108,7 +108,7 @@ def test_types_that_are_none_are_in_no_log(path):
 def test_wrong_arguments(path):
     with pytest.raises(ValueError, match="resync must be"):
         mavwire.open_log(path, resync="both")
-    with pytest.raises(ValueError, match="no such dialect: 'nope'"):
+    with pytest.raises(ValueError, match="no dialect 'nope'; name a built-in one"):
         mavwire.open_log(path, dialect="nope")
     with pytest.raises(TypeError):
         mavwire.open_log(5)

@@ -24,8 +24,8 @@ def add_query(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--unknown",
         choices=["table", "ignore"],
-        help="messages that the dialect does not define: table: write them as mavwire.unknown; "
-        "ignore: say nothing (default: say how many)",
+        help="messages that the dialect does not define: table: write them as mavwire.unknown, in Parquet or "
+        "Arrow for --from-unknown; ignore: say nothing (default: say how many)",
     )
     add_shared(parser, "start", "end", "any_dialect")
 
