@@ -30,6 +30,25 @@ def foreign(number: int) -> bytes:
     return b"\xfe" + body + checksum.to_bytes(2, "little")
 
 
+VENDOR_XML = """<mavlink><messages><message id="180" name="VENDOR_FEEDBACK">
+<field type="uint8_t" name="index">Index.</field><field type="uint8_t" name="zero">0.</field>
+<field type="uint8_t" name="sixty">60.</field></message></messages></mavlink>"""
+
+
+def vendor(number: int) -> bytes:
+    """A frame of VENDOR_FEEDBACK."""
+    module: Any = load(VENDOR_XML)
+    message = module.MAVLink_vendor_feedback_message(number, 0, 60)
+    return bytes(message.pack(module.MAVLink(None, 1, 1), force_mavlink1=True))
+
+
+@pytest.fixture
+def vendor_xml(tmp_path: Path) -> str:
+    path = tmp_path / "vendor.xml"
+    path.write_text(VENDOR_XML)
+    return str(path)
+
+
 def forwarded(**options: bool) -> list[bytes]:
     """The frames that arrive on the other side of a bridge, of 20 that are followed by a heartbeat."""
     with Bridge() as bridge:
@@ -74,17 +93,30 @@ def test_a_message_that_upstream_had_before_has_its_name() -> None:
         assert [field[0] for field in described["fields"]] == message.fieldnames
 
 
-@pytest.mark.parametrize("options", [{"forward_unverified": True}, {"dialect": "vendor"}])
-def test_a_udp_server_takes_a_peer_without_a_heartbeat(vendor_xml: str, options: Any) -> None:
-    dialect = ["upstream", vendor_xml] if options.pop("dialect", None) else "upstream"
-    with Bridge(dialect=dialect) as bridge:
+@pytest.mark.parametrize(
+    ("make", "options", "taken"),
+    [
+        (
+            foreign,
+            {},
+            range(6, FRAMES),
+        ),  # four for the server, and three more for the peer's stream
+        (foreign, {"forward_unverified": True}, range(FRAMES)),
+        (vendor, {}, range(FRAMES)),
+    ],
+)
+def test_a_udp_server_takes_a_peer_without_a_heartbeat(
+    vendor_xml: str, make: Any, options: dict[str, bool], taken: range
+) -> None:
+    with Bridge(dialect=["upstream", vendor_xml]) as bridge:
         bridge.add(UDP, name="in", **options)
-        with udp_peer(bridge, "in") as sender:
+        bridge.add(UDP, name="out")
+        with udp_peer(bridge, "in") as sender, udp_peer(bridge, "out") as receiver:
+            receiver.send(heartbeat(1, sysid=9))
+            wait_until("the receiver", lambda: peers(bridge, "out"))
             for number in range(FRAMES):
-                sender.send(vendor(number))
-            wait_until(
-                "all", lambda: sum(link["received"] for link in bridge.stats()["links"]) >= FRAMES
-            )
+                sender.send(make(number))
+            assert [receive(receiver) for _ in taken] == [make(number) for number in taken]
 
 
 # -- the command
@@ -93,23 +125,6 @@ OTHER_UDP = "udpin:localhost:0"
 # The first three of a definition that nobody knows are lost.
 AGREEING, ALL = list(range(3, FRAMES)), list(range(FRAMES))
 KIND = {"id": CAMERA_FEEDBACK, "crc_extra": OTHER_CRC_EXTRA}
-VENDOR_XML = """<mavlink><messages><message id="180" name="VENDOR_FEEDBACK">
-<field type="uint8_t" name="index">Index.</field><field type="uint8_t" name="zero">0.</field>
-<field type="uint8_t" name="sixty">60.</field></message></messages></mavlink>"""
-
-
-def vendor(number: int) -> bytes:
-    """A frame of VENDOR_FEEDBACK."""
-    module: Any = load(VENDOR_XML)
-    message = module.MAVLink_vendor_feedback_message(number, 0, 60)
-    return bytes(message.pack(module.MAVLink(None, 1, 1), force_mavlink1=True))
-
-
-@pytest.fixture
-def vendor_xml(tmp_path: Path) -> str:
-    path = tmp_path / "vendor.xml"
-    path.write_text(VENDOR_XML)
-    return str(path)
 
 
 def through_command(frames: list[bytes], *arguments: str) -> tuple[list[int], list[Any]]:

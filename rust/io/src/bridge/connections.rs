@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use mavwire_core::peer_slots::{Origin, Slot, SlotHolder, slot_for};
 use mavwire_core::router::LinkId;
+use mavwire_core::scan::{Resync, Scanner};
 
 use super::BridgeError;
 use super::endpoint::{LinkSpec, Opened, Stream, Wire};
@@ -89,6 +90,8 @@ pub(super) struct Link {
     pub(super) error: Option<String>,
     /// The numbers of the peers that left, and the junk of senders that are no peers.
     pub(super) departed: Departed,
+    /// What senders that are no peers have shown of their definitions.
+    pub(super) strangers: Scanner,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
     pub(super) resting: bool,
 }
@@ -104,6 +107,8 @@ impl EventLoop {
         let kind = self.kind(number, &spec, opened)?;
         self.last_number = number;
         self.hub.name_link(number, &spec.name);
+        let mut strangers = Scanner::new(Resync::Rescan);
+        strangers.accept_unverified = spec.port.forward_unverified;
         let link = Link {
             spec,
             kind,
@@ -111,6 +116,7 @@ impl EventLoop {
             welcomed: 0,
             error: None,
             departed: Departed::default(),
+            strangers,
             resting: false,
         };
         self.links.insert(number, link);

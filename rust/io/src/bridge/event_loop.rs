@@ -289,14 +289,13 @@ impl EventLoop {
         bytes: &[u8],
         from: Address,
     ) -> Option<LinkId> {
-        let link = self.links.get(&number)?;
+        let link = self.links.get_mut(&number)?;
         let Kind::DatagramServer(_, peers) = &link.kind else { return None };
         if let Some(&port) = peers.get(&from) {
             return Some(port);
         }
-        let unverified = link.spec.port.forward_unverified;
-        if let Err(damaged) = self.switch.check_mavlink(bytes, unverified) {
-            let junk = &mut self.links.get_mut(&number)?.departed.traffic;
+        if let Err(damaged) = self.switch.check_mavlink(bytes, &mut link.strangers) {
+            let junk = &mut link.departed.traffic;
             junk.damaged += damaged;
             junk.junk_bytes += bytes.len() as u64;
             return None;

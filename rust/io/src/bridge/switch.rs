@@ -191,15 +191,19 @@ impl Switch {
         matches!(found, Found::Frame { entry: Some(_), .. })
     }
 
-    /// Looks for a good frame that the dialect knows in a datagram, or an unverified one if that will do; without one, how
-    /// many damaged ones it has.
-    pub(super) fn check_mavlink(&self, bytes: &[u8], unverified: bool) -> Result<(), u64> {
-        let mut scanner = Scanner::new(Resync::Rescan);
-        scanner.accept_unverified = unverified;
+    /// Looks for a good frame of a known id in a datagram, or of any id if unverified ones will do; without one, how many
+    /// damaged ones it has. The scanner remembers the definitions of senders.
+    pub(super) fn check_mavlink(&self, bytes: &[u8], scanner: &mut Scanner) -> Result<(), u64> {
+        scanner.restart();
+        let is_known = |id| self.registry.lookup(id).is_some();
         let (mut at, mut damaged) = (0, 0);
         loop {
             let (len, is_damaged) = match scanner.next(&bytes[at..], &self.registry) {
-                Found::Frame { entry, .. } if unverified || entry.is_some() => return Ok(()),
+                Found::Frame { entry, header, .. }
+                    if entry.is_some() || is_known(header.msgid) || scanner.accept_unverified =>
+                {
+                    return Ok(());
+                }
                 Found::Frame { len, .. } | Found::Noise { len } => (len, false),
                 Found::Rejected { len, .. } => (len, true),
                 Found::Incomplete { .. } => return Err(damaged),
