@@ -6,6 +6,7 @@ import asyncio
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -226,7 +227,10 @@ def test_a_synchronous_link_fetches_events(tmp_path):
     with flying("udp", Vehicle("px4")) as (device, _):
         command = [sys.executable, "-m", "mavwire", "events", device, "--save", str(saved)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            end = threading.Timer(WAIT, process.kill)  # the event may have passed before it listens
+            end.start()
             line = process.stdout.readline()
+            end.cancel()
             process.kill()
     assert line.endswith(": 1/1 info: Ready for takeoff!\n")
     assert len(EventDefinitions.read(saved)) > 10
