@@ -176,6 +176,7 @@ class WebServer:
             timeout=CLOSE_TIME / 2, max_msg_size=MAX_REQUEST, compress=False
         )
         await socket.prepare(request)
+        request.protocol.is_web_socket = True  # type: ignore[attr-defined]
 
         async def tell_all() -> None:
             try:
@@ -206,6 +207,7 @@ class _Connection(web.RequestHandler):
     ) -> None:
         super().__init__(server, loop=loop, access_log=None, logger=_SILENT, lingering_time=0)  # type: ignore[arg-type]
         self._owner = owner
+        self.is_web_socket = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -218,6 +220,10 @@ class _Connection(web.RequestHandler):
         super().connection_lost(exc)
         self.deadline.cancel()
         self._owner.connections.discard(self)
+
+    def eof_received(self) -> bool:  # type: ignore[override]
+        """Who has only said all that it has to say is answered."""
+        return not self.is_web_socket
 
     def handle_error(self, *arguments: Any, **named: Any) -> web.StreamResponse:
         return closed_after(super().handle_error(*arguments, **named))
