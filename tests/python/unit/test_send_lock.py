@@ -80,14 +80,12 @@ def test_a_write_that_takes_a_lock_of_the_senders_is_no_deadlock(threads: Any) -
             send(mav)
 
     with lock:
-        threads(beats)
+        thread = threads(beats)
         assert waits.wait(WAIT)
         for _ in range(each):  # nobody else writes between these
             send(mav)
         assert len(frames) == each
-    for thread in threading.enumerate():
-        if thread.daemon and thread is not threading.current_thread():
-            thread.join(WAIT)
+    thread.join(WAIT)
     # Each number once; the one that waited for the lock comes after those.
     assert sorted(numbers(frames)) == list(range(2 * each))
     assert mav.total_packets_sent == 2 * each
