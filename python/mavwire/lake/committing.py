@@ -1,6 +1,6 @@
 """Committing: files of a part become rows of the lake, all of them or none.
 
-Each table has its own log of commits, and there is none of several tables. So a change of the lake is a
+Delta Lake commits to one table at a time. So a change of the lake is a
 folder of new files and a list of what is to be done, `plan.json`. Giving the folder the name
 `.mavwire-commit` is the commit: from then on it is carried through, by the next run if this one is killed.
 Every step may be done again: a file that has moved is left where it is, a table says by its transaction

@@ -42,7 +42,7 @@ def compact(lake: str | os.PathLike[str], *, retention_hours: int | None = None)
             done = opened.replace(work, name, partial(_merged, root, name, work))
         if done:
             merged[name] = done
-        with opened.locked():  # files that are not committed yet are none of the table
+        with opened.locked():  # vacuum would remove files that another run has not committed yet
             table = delta.opened(os.path.join(root, name))
             table.create_checkpoint()
             week = retention_hours is None

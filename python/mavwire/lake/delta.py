@@ -31,7 +31,7 @@ def check_installed() -> None:
 
 
 def opened(folder: str) -> Any:
-    """The table in a folder, None if there is none."""
+    """Open the table in a folder; None for a folder without one."""
     from deltalake import DeltaTable
 
     is_there = os.path.isdir(os.path.join(folder, "_delta_log"))  # which costs less to know

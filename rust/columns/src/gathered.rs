@@ -51,7 +51,7 @@ pub enum Range {
 /// `(column, range, nulls)`, for columns that readers choose files by.
 pub type Ranges = Vec<(String, Option<Range>, u64)>;
 
-/// What is in a file.
+/// Rows, columns and ranges of a file.
 pub struct Content {
     /// Its rows.
     pub rows: u64,
@@ -72,7 +72,7 @@ impl<W: Write + Send> Gathered<W> {
     /// Appends a row group.
     ///
     /// # Errors
-    /// Rows with other columns than the first ones; what the writer says.
+    /// Rows have other columns than the first ones, or the file cannot be written.
     pub fn write(&mut self, pieces: &[Piece<'_>]) -> Result<(), Error> {
         let batches: Vec<&RecordBatch> = pieces.iter().flat_map(|(rows, _)| *rows).collect();
         if batches.iter().any(|batch| batch.num_columns() != self.plain.fields().len()) {
@@ -103,7 +103,7 @@ impl<W: Write + Send> Gathered<W> {
     /// Writes the end of the file, and tells what is in it.
     ///
     /// # Errors
-    /// What the writer says.
+    /// The file cannot be written.
     pub fn finish(self) -> Result<(W, Content), Error> {
         let fields = self.file.schema().fields().iter();
         let columns =

@@ -111,7 +111,7 @@ impl Layouts {
         Self { options, made }
     }
 
-    /// What they were made with.
+    /// The options that they are for.
     pub fn options(&self) -> &Options {
         &self.options
     }

@@ -37,7 +37,7 @@ pub struct Contents {
     pub junk: u64,
     /// The units of the fields.
     pub units: Units,
-    /// What the records tell about the clock.
+    /// The clock, as far as the records tell it.
     pub clock: ClockFinder,
 }
 

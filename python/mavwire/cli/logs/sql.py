@@ -17,10 +17,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from mavwire._extras import extra
-from mavwire.cli._errors import CommandError, describe_link_error, refused, tell
+from mavwire._text import in_words
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._progress import Progress
-from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._values import systems_of, time_of
+from mavwire.cli.logs._query_arguments import add_values, values_of
 
 FILES = {".parquet": "format parquet", ".csv": "format csv, header", ".jsonl": "format json"}
 FETCHED = 10_000
@@ -37,9 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=["table", "csv", "jsonl"],
         help="of what is printed (default: table on a terminal, else csv)",
     )
-    parser.add_argument("--units", choices=["si"], help="si: metres, volts, ... (default: as sent)")
-    parser.add_argument("--enums", choices=["names"], help="names of values (default: numbers)")
-    add_shared(parser, "systems", "start", "end", "any_dialect")
+    add_values(parser)
 
 
 def main(args: argparse.Namespace) -> int:
@@ -72,9 +70,7 @@ def _load(database: Any, query: str, args: argparse.Namespace) -> bool:
     """Make the tables of messages that a query names; whether a log could not be read."""
     from mavwire.logs.reading import scan
 
-    options = {name: getattr(args, name) for name in ("units", "enums", "dialect")}
-    options |= {"systems": systems_of(args.systems), "unknown": "ignore"}
-    options |= {"start": time_of(args.start), "end": time_of(args.end)}
+    options = {**values_of(args), "unknown": "ignore"}
     bar, failed = Progress(""), False
     for table, (paths, name) in _tables(database, query, args.logs).items():
         is_made = False
@@ -85,9 +81,9 @@ def _load(database: Any, query: str, args: argparse.Namespace) -> bool:
                 is_made = True
             except (OSError, ValueError) as error:
                 failed = True
-                text = describe_link_error(error) if isinstance(error, OSError) else str(error)
-                tell(f"mavwire sql: {text if path in text else f'{path}: {text}'}")
+                tell(f"mavwire sql: {path}: {in_words(error, path)}")
         if not is_made:
+            bar.finish()
             raise CommandError(f"no log has a table {name}")
     bar.finish()
     return failed

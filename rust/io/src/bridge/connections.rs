@@ -90,7 +90,7 @@ pub(super) struct Link {
     pub(super) error: Option<String>,
     /// The numbers of the peers that left, and the junk of senders that are no peers.
     pub(super) departed: Departed,
-    /// What senders that are no peers have shown of their definitions.
+    /// Looks for frames of senders that are no peers yet, and remembers the definitions that they use.
     pub(super) strangers: Scanner,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
     pub(super) resting: bool,
