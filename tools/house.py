@@ -191,7 +191,7 @@ LIMITS = {
     "lines of rust/io": 6_720,
     "lines of rust/py": 13_260,
     "lines of Rust without tests": 38_860,
-    "lines of Python without stubs": 47_330,
+    "lines of Python without stubs": 47_340,
     "files over 400 lines": 5,
     "functions over 40 lines": 26,
     "comments against the style": 0,

@@ -125,12 +125,10 @@ def set_dialect(dialect: Any) -> None:
         merged: Any = import_module(DIALECTS).merged
         mavlink = merged([_loaded(one) for one in dialect])
         current_dialect, _given = mavlink.DIALECT, dialect
-    elif isinstance(dialect, ModuleType):
-        mavlink = _loaded(dialect)
-        current_dialect, _given = dialect.DIALECT, dialect
     else:
         mavlink = _loaded(dialect)
-        current_dialect, _given = os.fspath(dialect), None
+        _given = dialect if dialect is mavlink else None
+        current_dialect = mavlink.DIALECT if dialect is mavlink else os.fspath(dialect)
     if asked_for.get() is not None:  # a log of the other wire protocol is being opened
         asked_for.set(mavlink)
 
