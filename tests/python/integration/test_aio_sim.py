@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -40,6 +41,18 @@ def flying(kind: str, *vehicles: Vehicle, speed: float = SPEED) -> Iterator[tupl
     theirs, ours = {"udp": ("udpout", "udpin"), "tcp": ("tcpin", "tcp")}[kind]
     with serve(f"{theirs}:127.0.0.1:{port}", *vehicles, speed=speed) as runner:
         yield f"{ours}:127.0.0.1:{port}", runner
+
+
+def has_listener(port: int) -> bool:
+    """Whether somebody listens to a UDP port: where nobody does, the system says so to the next send."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(("127.0.0.1", port))
+        probe.send(b"?")
+        try:
+            probe.send(b"?")
+        except ConnectionRefusedError:
+            return False
+    return True
 
 
 @pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
@@ -217,20 +230,29 @@ def test_a_vehicle_offers_its_events_and_files():
         run(ask(device))
 
 
-def test_a_synchronous_link_fetches_events(tmp_path):
-    saved = tmp_path / "events.json.xz"
+def test_a_synchronous_link_fetches_events():
     with flying("udp", Vehicle("px4")) as (device, _):
         link = mavutil.mavlink_connection(device, dialect="upstream")
         assert link.wait_heartbeat(timeout=WAIT) is not None
         assert len(EventDefinitions.of_vehicle(link)) > 10
         link.close()
-    with flying("udp", Vehicle("px4")) as (device, _):
-        command = [sys.executable, "-m", "mavwire", "events", device, "--save", str(saved)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-            end = threading.Timer(WAIT, process.kill)  # the event may have passed before it listens
+
+
+def test_an_event_that_arrives_before_its_words_is_shown(tmp_path):
+    saved = tmp_path / "events.json.xz"
+    port = free_port(socket.SOCK_DGRAM)
+    device = f"udpin:127.0.0.1:{port}"
+    command = [sys.executable, "-m", "mavwire", "events", device, "--save", str(saved)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        while not has_listener(port):
+            time.sleep(0.01)
+        # An answer takes 10 s, and the event comes after 3 s.
+        late = Vehicle("px4", impairment=Impairment(delay=5))
+        with serve(f"udpout:127.0.0.1:{port}", late, speed=100):
+            end = threading.Timer(WAIT, process.kill)
             end.start()
             line = process.stdout.readline()
             end.cancel()
-            process.kill()
+        process.kill()
     assert line.endswith(": 1/1 info: Ready for takeoff!\n")
     assert len(EventDefinitions.read(saved)) > 10

@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import os
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import chain
 from typing import Any
 
 from mavwire._atomic_file import replacing
@@ -39,19 +42,36 @@ def main(args: Namespace) -> int:
     if args.save and not is_link:
         raise CommandError("--save: a log has no definitions; give a link to the vehicle")
     described = args.event_definitions
+    meanwhile: list[Any] = []
     with definitions(UPSTREAM), reading("events", args.log) as log:
         if is_link and (described is None or args.save):
-            described = _of_vehicle(log.link, args.save)
+            with _keeping_events(log.link, meanwhile):
+                described = _of_vehicle(log.link, args.save)
         if described is None:
             tell("mavwire events: the texts are in --event-definitions FILE; these are numbers")
             described = EventDefinitions(b'{"components": {}}')
-        for message in log.messages(["EVENT"], blocking=is_link):
+        for message in chain(meanwhile, log.messages(["EVENT"], blocking=is_link)):
             event = described.event(message)
             if args.protocol or event.level not in ("protocol", "disabled"):
                 sender = f"{message.get_srcSystem()}/{message.get_srcComponent()}"
                 stamp = local_stamp(message._timestamp)
                 print(f"{stamp}: {sender} {event.level}: {event.text}", flush=is_link)
     return 0
+
+
+@contextmanager
+def _keeping_events(link: Any, events: list[Any]) -> Iterator[None]:
+    """Add the events that arrive in the meantime, which those who wait for other messages would drop."""
+
+    def keep(_: Any, message: Any) -> None:
+        if message.get_type() == "EVENT":
+            events.append(message)
+
+    link.message_hooks.append(keep)
+    try:
+        yield
+    finally:
+        link.message_hooks.remove(keep)
 
 
 def _of_vehicle(link: Any, save: str | None) -> EventDefinitions | None:
