@@ -7,7 +7,7 @@
 //! | module | |
 //! |---|---|
 //! | `endpoint` | where a link leads, opening and dialling |
-//! | `event_loop`, `pace` | waiting, reading, writing |
+//! | `event_loop` | waiting, reading, writing |
 //! | `connections` | links that are added and removed, connections that come and go |
 //! | `switch` | bytes to frames to queues |
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
@@ -27,7 +27,6 @@ mod hub;
 mod lane;
 mod latency;
 mod outbox;
-mod pace;
 mod port;
 mod recorder;
 mod report;

@@ -18,7 +18,6 @@ use super::automation::Automation;
 use super::connections::{Kind, Link};
 use super::endpoint::{LinkSpec, Opened, Wire};
 use super::hub::Hub;
-use super::pace::Pace;
 use super::recorder::Recorder;
 use super::report::Heard;
 use super::stats::Stats;
@@ -76,7 +75,6 @@ pub(super) struct EventLoop {
     pub(super) waker: Waker,
     wake: UnixStream,
     started: Instant,
-    pace: Pace,
     next_tick: u64,
     /// More was asked for than a round obeys.
     more_commands: bool,
@@ -106,7 +104,6 @@ impl EventLoop {
             waker,
             wake,
             started: Instant::now(),
-            pace: Pace::default(),
             next_tick: 0,
             more_commands: false,
             inbox: Inbox::default(),
@@ -123,7 +120,6 @@ impl EventLoop {
 
     /// One round; false if it was the last.
     fn round(&mut self) -> bool {
-        self.rest();
         self.watch();
         self.wait();
         self.switch.moment = Moment { now: self.now(), unix: (clock::unix_seconds() * 1e6) as u64 };
@@ -157,13 +153,6 @@ impl EventLoop {
     /// Microseconds since the bridge started.
     fn now(&self) -> u64 {
         self.started.elapsed().as_micros() as u64
-    }
-
-    /// Lets frames gather while they come fast.
-    fn rest(&self) {
-        if let Some(pause) = self.pace.rest(self.switch.moment.now, self.now()) {
-            std::thread::sleep(pause);
-        }
     }
 
     /// Waits until something is ready or due.
@@ -356,7 +345,6 @@ impl EventLoop {
     /// Gives what arrived to the program around the bridge, and to the recording.
     fn hand_over(&mut self) {
         let arrived = &mut self.switch.arrived;
-        self.pace.note(self.switch.moment.now, arrived.infos.len());
         if arrived.infos.is_empty() {
             return;
         }
