@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import sys
-import threading
+from _thread import RLock  # `threading` takes as long to load as all of `mavutil`
 from contextvars import ContextVar
 from types import ModuleType
 
@@ -27,7 +27,7 @@ mavlink: Any = None
 _postponed: str = "1.0"
 current_dialect: str = DEFAULT_DIALECT
 # Held where a dialect is made current and then taken for a link.
-choosing = threading.RLock()
+choosing = RLock()
 # The dialect of the link that is being opened, which other threads do not change.
 asked_for: ContextVar[ModuleType | None] = ContextVar("asked_for", default=None)
 # The module, or the list of dialects, that `set_dialect` was given in place of a name, else None.

@@ -347,7 +347,7 @@ def test_importing_mavutil_loads_nothing_heavy():
         "import sys; import mavwire.dialects.v10.all; before = set(sys.modules);"
         "import mavwire.mavutil;"
         "print([m for m in ('socket','ssl','select','subprocess','json','re','logging','mmap',"
-        "'dataclasses','platform','fnmatch','curses','serial','wsproto','numpy')"
+        "'threading','functools','collections','dataclasses','platform','fnmatch','curses','serial','wsproto','numpy')"
         " if m in sys.modules and m not in before])"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
