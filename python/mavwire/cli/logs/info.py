@@ -214,7 +214,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
     parser.description = "Types, rates, senders, time range, losses and bad bytes of logs."
     parser.add_argument(
-        "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log; - for standard input"
+        "logs",
+        metavar="LOG",
+        nargs="+",
+        help="telemetry log (.tlog), stream of frames without times (.raw), or dataflash log (.BIN, .log as text),"
+        " plain, .gz or .zst; - for standard input",
     )
     add_shared(parser, "any_dialect")
     parser.add_argument("--json", action="store_true", help="print one JSON object for each log")
