@@ -4,8 +4,9 @@ from __future__ import annotations
 
 FORMATS = {
     "parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow", "mcap": ".mcap",
+    "mcap-json": ".mcap",
 }  # fmt: skip
-ONE_FILE = frozenset(("mcap",))
+ONE_FILE = frozenset(("mcap", "mcap-json"))
 """Formats that have one file for each log, and not one for each message type of it."""
 TABLE_FORMATS = tuple(one for one in FORMATS if one not in ONE_FILE)
 TEXTS = ("csv", "jsonl")
@@ -22,5 +23,6 @@ COMPRESSIONS = {
     "jsonl": ("none", "gzip", "zstd"),
     "arrow": ("none",),
     "mcap": ("zstd", "lz4", "none"),
+    "mcap-json": ("zstd", "lz4", "none"),
 }
 """Compressions of each format, the default first."""

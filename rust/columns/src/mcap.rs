@@ -1,15 +1,17 @@
 //! A log as one MCAP file, for Foxglove, `PlotJuggler` and other tools of robotics.
 //!
-//! A channel for each message type and sender, `/SYSID/COMPID/TYPE`, or `/TYPE` of a dataflash log, whose messages are JSON
-//! objects of the fields. Positions and texts have a channel more, in the form that Foxglove shows on a map and as a log
-//! ([`foxglove`]). What the channels are called and what their schemas say stands in [`channels`].
+//! A channel for each message type and sender, `/SYSID/COMPID/TYPE`, or `/TYPE` of a dataflash log, whose messages are the
+//! fields as Protocol Buffers ([`protobuf`]) or JSON objects. Positions and texts have a channel more, in the form that
+//! Foxglove shows on a map and as a log ([`foxglove`]). What the channels are called and what their schemas say stands in
+//! [`channels`].
 //!
 //! Messages are sorted by time within each block of the log, so that a reader need not have many chunks open at a time.
-//! JSON is made on all processors while the messages before are compressed, some thousand at a time: memory depends neither
-//! on the log nor on how large its messages become as text.
+//! They are encoded on all processors while those before are compressed, some thousand at a time: memory depends neither
+//! on the log nor on how large its messages become.
 
 mod channels;
 mod foxglove;
+mod protobuf;
 
 use std::io::Write;
 use std::sync::Arc;
@@ -24,7 +26,6 @@ use rayon::prelude::*;
 
 use crate::convert::Compression;
 use crate::error::Error;
-use crate::layout::HEADER;
 use crate::pool;
 use crate::reader::Batch;
 
@@ -42,9 +43,29 @@ pub fn takes(compression: Compression) -> bool {
     matches!(compression, Compression::None | Compression::Zstd | Compression::Lz4)
 }
 
+/// How messages are encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Protocol Buffers.
+    Protobuf,
+    /// JSON objects.
+    Json,
+}
+
+/// What a file is like.
+pub struct Settings {
+    /// How messages are encoded.
+    pub encoding: Encoding,
+    /// How chunks are compressed.
+    pub compression: Compression,
+    /// Texts for the schemas of messages.
+    pub descriptions: Descriptions,
+}
+
 /// An MCAP file being written.
 pub struct McapSink<W: Write> {
     writer: Writer<NoSeek<W>>,
+    encoding: Encoding,
     channels: Channels,
     rows: u64,
 }
@@ -67,9 +88,12 @@ struct Row {
     at: u32,
 }
 
-/// The JSON of rows, in order, one behind the other.
+/// Appends a row of a source.
+type Put<'a> = Box<dyn FnMut(usize, &mut Vec<u8>) + 'a>;
+
+/// Rows encoded, in order, one behind the other.
 #[derive(Default)]
-struct Texts {
+struct Encoded {
     bytes: Vec<u8>,
     ends: Vec<usize>,
 }
@@ -79,7 +103,8 @@ impl<W: Write> McapSink<W> {
     ///
     /// # Errors
     /// What writing says.
-    pub fn new(out: W, compression: Compression) -> Result<Self, Error> {
+    pub fn new(out: W, settings: Settings) -> Result<Self, Error> {
+        let Settings { encoding, compression, descriptions } = settings;
         let compression = match compression {
             Compression::Zstd => Some(mcap::Compression::Zstd),
             Compression::Lz4 => Some(mcap::Compression::Lz4),
@@ -93,14 +118,7 @@ impl<W: Write> McapSink<W> {
             .library(concat!("mavwire ", env!("CARGO_PKG_VERSION")))
             .disable_seeking(true);
         let writer = options.create(NoSeek::new(out))?;
-        Ok(Self { writer, channels: Channels::default(), rows: 0 })
-    }
-
-    /// The same with descriptions in the schemas of messages.
-    #[must_use]
-    pub fn described(mut self, descriptions: Descriptions) -> Self {
-        self.channels.descriptions = descriptions;
-        self
+        Ok(Self { writer, encoding, channels: Channels::new(encoding, descriptions), rows: 0 })
     }
 
     /// Rows so far, those of additional channels not counted.
@@ -121,15 +139,16 @@ impl<W: Write> McapSink<W> {
         let mut order: Vec<Row> = (0..).zip(&sources).flat_map(|(n, one)| one.rows(n)).collect();
         order.sort_by_key(|row| row.time);
         let mut windows = order.chunks(WINDOW);
+        let encoding = self.encoding;
         let mut ahead =
-            windows.next().map(|window| (window, pool::run(|| encode(&sources, window))));
+            windows.next().map(|window| (window, pool::run(|| encode(&sources, window, encoding))));
         while let Some((window, texts)) = ahead {
             let next = windows.next();
             let texts = texts?;
             let (written, texts) = pool::run(|| {
                 rayon::join(
                     || self.write_window(&sources, window, &texts),
-                    || next.map(|next| (next, encode(&sources, next))),
+                    || next.map(|next| (next, encode(&sources, next, encoding))),
                 )
             });
             written?;
@@ -166,14 +185,14 @@ impl<W: Write> McapSink<W> {
         &mut self,
         sources: &[Source],
         window: &[Row],
-        texts: &[(Texts, Texts)],
+        encoded: &[(Encoded, Encoded)],
     ) -> Result<(), Error> {
         let mut next = vec![0; sources.len()];
         for row in window {
             let (number, source) = (row.source as usize, &sources[row.source as usize]);
-            let (text, extra) = (texts[number].0.at(next[number]), &texts[number].1);
+            let (message, extra) = (encoded[number].0.at(next[number]), &encoded[number].1);
             let mut header = source.header(row);
-            self.writer.write_to_known_channel(&header, text)?;
+            self.writer.write_to_known_channel(&header, message)?;
             if let Some((_, channels)) = &source.extra {
                 let text = extra.at(next[number]);
                 if !text.is_empty() {
@@ -199,18 +218,33 @@ impl<W: Write> McapSink<W> {
 /// The columns of a batch that are fields of the message.
 fn body(batch: &Batch) -> StructArray {
     let schema = batch.rows.schema();
-    let is_field = |name: &str| !HEADER.contains(&name);
     let (fields, arrays): (Vec<_>, Vec<_>) = schema
         .fields()
         .iter()
         .zip(batch.rows.columns())
-        .filter(|(field, _)| is_field(field.name()))
+        .filter(|(field, _)| channels::is_body(field.name()))
         .map(|(field, array)| (Arc::clone(field), Arc::clone(array)))
         .unzip();
     if fields.is_empty() {
         return StructArray::new_empty_fields(batch.rows.num_rows(), None);
     }
     StructArray::new(fields.into(), arrays, None)
+}
+
+impl Encoding {
+    fn of_messages(self) -> &'static str {
+        match self {
+            Self::Protobuf => "protobuf",
+            Self::Json => "json",
+        }
+    }
+
+    fn of_schemas(self) -> &'static str {
+        match self {
+            Self::Protobuf => "protobuf",
+            Self::Json => "jsonschema",
+        }
+    }
 }
 
 impl Source {
@@ -230,36 +264,46 @@ impl Source {
         }
     }
 
-    fn texts(&self, rows: &[u32]) -> Result<(Texts, Texts), Error> {
-        let (mut texts, mut extras) = (Texts::default(), Texts::default());
+    fn encode(&self, rows: &[u32], encoding: Encoding) -> Result<(Encoded, Encoded), Error> {
+        let (mut messages, mut extras) = (Encoded::default(), Encoded::default());
         let options = EncoderOptions::default();
         let field = Arc::new(Field::new("", DataType::clone(self.body.data_type()), false));
-        let mut encoder = make_encoder(&field, &self.body, &options)?;
+        let mut put: Put<'_> = match encoding {
+            Encoding::Protobuf => protobuf::encoder(&self.body)?,
+            Encoding::Json => {
+                let mut encoder = make_encoder(&field, &self.body, &options)?;
+                Box::new(move |row, out| encoder.encode(row, out))
+            }
+        };
         for &row in rows {
-            encoder.encode(row as usize, &mut texts.bytes);
-            texts.ends.push(texts.bytes.len());
+            put(row as usize, &mut messages.bytes);
+            messages.ends.push(messages.bytes.len());
             if let Some((extra, _)) = &self.extra {
                 let time = self.times.value(row as usize);
                 extra.encode(row as usize, time, &mut extras.bytes);
                 extras.ends.push(extras.bytes.len());
             }
         }
-        Ok((texts, extras))
+        Ok((messages, extras))
     }
 }
 
-impl Texts {
+impl Encoded {
     fn at(&self, index: usize) -> &[u8] {
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.bytes[start..self.ends[index]]
     }
 }
 
-/// The JSON of some rows, by source.
-fn encode(sources: &[Source], window: &[Row]) -> Result<Vec<(Texts, Texts)>, Error> {
+/// The messages of some rows, by source.
+fn encode(
+    sources: &[Source],
+    window: &[Row],
+    encoding: Encoding,
+) -> Result<Vec<(Encoded, Encoded)>, Error> {
     let mut rows = vec![Vec::new(); sources.len()];
     for row in window {
         rows[row.source as usize].push(row.at);
     }
-    sources.par_iter().zip(&rows).map(|(source, rows)| source.texts(rows)).collect()
+    sources.par_iter().zip(&rows).map(|(source, rows)| source.encode(rows, encoding)).collect()
 }

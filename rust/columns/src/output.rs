@@ -9,7 +9,7 @@ use arrow::array::RecordBatch;
 
 use crate::convert::{Compression, Format, Sink, write_all};
 use crate::error::Error;
-use crate::mcap::{Descriptions, McapSink};
+use crate::mcap::{McapSink, Settings};
 use crate::reader::Batch;
 use crate::scan::UNKNOWN;
 use crate::unknown_table;
@@ -31,12 +31,10 @@ pub enum Output<W: Write + Send> {
     Mcap {
         /// The file.
         path: PathBuf,
-        /// How its chunks are compressed.
-        compression: Compression,
         /// Begins it.
         create: Create<W>,
-        /// Texts for its schemas.
-        descriptions: Descriptions,
+        /// What it is like, until it is begun.
+        settings: Option<Settings>,
         /// The file, once it is begun.
         sink: Option<Box<McapSink<W>>>,
     },
@@ -71,13 +69,8 @@ impl<W: Write + Send> Output<W> {
     }
 
     /// A file for all tables.
-    pub fn mcap(
-        path: PathBuf,
-        compression: Compression,
-        create: Create<W>,
-        descriptions: Descriptions,
-    ) -> Self {
-        Self::Mcap { path, compression, create, descriptions, sink: None }
+    pub fn mcap(path: PathBuf, create: Create<W>, settings: Settings) -> Self {
+        Self::Mcap { path, create, settings: Some(settings), sink: None }
     }
 
     /// Writes the batches of a stretch of the log.
@@ -88,15 +81,11 @@ impl<W: Write + Send> Output<W> {
         match self {
             Self::Tables(tables) => tables.write(batches),
             Self::Mcap { .. } if batches.is_empty() => Ok(()),
-            Self::Mcap { path, compression, create, descriptions, sink } => {
-                let sink = match sink {
-                    Some(open) => open,
-                    None => {
-                        let new = McapSink::new(create(path)?, *compression)?;
-                        sink.insert(Box::new(new.described(std::mem::take(descriptions))))
-                    }
-                };
-                sink.write(batches)
+            Self::Mcap { path, create, settings, sink } => {
+                if let Some(settings) = settings.take() {
+                    *sink = Some(Box::new(McapSink::new(create(path)?, settings)?));
+                }
+                sink.as_mut().map_or(Ok(()), |sink| sink.write(batches))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Tables as files of other programs: each file can be read back, and holds the rows that were written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Cursor, Read};
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::dataflash;
 use mavwire_columns::input::{Steps, decompressed};
 use mavwire_columns::layout::{Invalid, Options};
-use mavwire_columns::mcap::{self as to_mcap, McapSink};
+use mavwire_columns::mcap::{self as to_mcap, Encoding, McapSink, Settings};
 use mavwire_columns::reader::{Batch, Decode, Limits, Plan, reader};
 use mavwire_columns::scan::Framing;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -57,7 +57,9 @@ pub fn converters(data: &[u8]) {
         let all = batches(&mut *reader);
         match format {
             Some(format) => files(&all, format, compression),
-            None => mcap(&all, compression, has_times),
+            None => [Encoding::Protobuf, Encoding::Json]
+                .into_iter()
+                .for_each(|encoding| mcap(&all, encoding, compression, has_times)),
         }
     });
 }
@@ -174,11 +176,12 @@ fn json_lines(text: &str, rows: &RecordBatch) {
 }
 
 /// One file of all messages.
-fn mcap(all: &[Batch], compression: Compression, has_times: bool) {
+fn mcap(all: &[Batch], encoding: Encoding, compression: Compression, has_times: bool) {
     if !to_mcap::takes(compression) {
         return;
     }
-    let mut sink = McapSink::new(Vec::new(), compression).expect("memory does not fail");
+    let settings = Settings { encoding, compression, descriptions: HashMap::new() };
+    let mut sink = McapSink::new(Vec::new(), settings).expect("memory does not fail");
     let written = sink.write(all);
     assert_eq!(written.is_ok(), has_times || all.is_empty());
     if written.is_err() {
@@ -192,8 +195,10 @@ fn mcap(all: &[Batch], compression: Compression, has_times: bool) {
         let message = message.expect("a message");
         assert!(message.log_time >= newest, "sorted by time");
         newest = message.log_time;
-        let _: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_slice(&message.data).expect("JSON");
+        if message.channel.message_encoding == "json" {
+            let _: serde_json::Map<String, serde_json::Value> =
+                serde_json::from_slice(&message.data).expect("JSON");
+        }
         let schema = message.channel.schema.as_ref().expect("a schema");
         count += usize::from(!schema.name.starts_with("foxglove."));
     }

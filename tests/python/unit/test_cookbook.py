@@ -22,7 +22,7 @@ NEEDS = {
     "pyarrow, and what knows the Arrow PyCapsule interface": ["pyarrow"],
     "Logs larger than memory": [],
     "PlotJuggler": [],
-    "Foxglove": ["mcap"],
+    "Foxglove": ["mcap_protobuf"],
 }
 
 

@@ -46,6 +46,8 @@ RESERVED_CRATES = {
     "arrow": {"columns"},
     "parquet": {"columns", "fuzz"},
     "mcap": {"columns", "fuzz"},
+    "prost": {"columns"},
+    "prost-types": {"columns"},
     "rayon": {"columns", "io", "fuzz"},
 }
 # Folders of the extension module, lowest first: a module uses its own folder and lower ones.

@@ -17,9 +17,12 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.conversion import convert
 from unit.column_tools import log_of_every_type
 from unit.link_tools import T0, heartbeat, pack, record
+from unit.mcap_tools import message_class, messages
 
 make_reader = pytest.importorskip("mcap.reader").make_reader
+descriptor_pb2 = pytest.importorskip("google.protobuf.descriptor_pb2")
 
+FORMATS = ("mcap", "mcap-json")
 EXTRA = ("location", "log")
 
 
@@ -30,27 +33,13 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def converted(log: Path | str, out: Path, **options: Any) -> Path:
+def converted(log: Path | str, out: Path, format: str = "mcap-json", **options: Any) -> Path:
     """The MCAP file of a log, whose row in the manifest says the same."""
-    (row,) = convert([log], out, format="mcap", **options)
+    (row,) = convert([log], out, format=format, **options)
     assert row.error is None
     (name,) = row.files
     assert row.files == {f"{row.name}.mcap": row.rows}
     return out / name
-
-
-def messages(path: Path, topic: str | None = None) -> dict[str, list[tuple[int, int, Any]]]:
-    """Time in nanoseconds, sequence and content of each message by topic, checksums verified."""
-    found: dict[str, list[tuple[int, int, Any]]] = {}
-    with path.open("rb") as file:
-        reader = make_reader(file, validate_crcs=True)
-        topics = None if topic is None else [topic]
-        for schema, channel, one in reader.iter_messages(topics=topics, log_time_order=False):
-            assert (channel.message_encoding, schema.encoding) == ("json", "jsonschema")
-            assert one.publish_time == one.log_time
-            row = one.log_time, one.sequence, json.loads(one.data)
-            found.setdefault(channel.topic, []).append(row)
-    return found
 
 
 def summary(path: Path) -> Any:
@@ -107,16 +96,18 @@ def compare(path: Path, log: Path | str, **options: Any) -> int:
     return count
 
 
-def test_every_type_is_what_the_columns_say(tmp_path):
+@pytest.mark.parametrize("format", FORMATS)
+def test_every_type_is_what_the_columns_say(tmp_path, format):
     log = tmp_path / "all.tlog"
     log_of_every_type(log, each=2)
-    path = converted(log, tmp_path / "out")
+    path = converted(log, tmp_path / "out", format)
     assert compare(path, log) == 2 * len(mavlink.mavlink_map)
 
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
-def test_a_flight_of_two_vehicles(flight, tmp_path, compression):
-    path = converted(flight, tmp_path, compression=compression)
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_flight_of_two_vehicles(flight, tmp_path, format, compression):
+    path = converted(flight, tmp_path, format, compression=compression)
     assert compare(path, flight) == 5_000
     found = summary(path)
     assert found.statistics.message_count >= 5_000
@@ -189,6 +180,43 @@ def test_schemas_name_types_units_and_enums(flight, tmp_path):
     assert channels["/2/1/ATTITUDE"] == {"message": "ATTITUDE", "sysid": "2", "compid": "1"}
 
 
+def test_protobuf_tells_what_is_invalid_from_0(tmp_path):
+    log = tmp_path / "a.tlog"
+    battery = mavlink.MAVLink_battery_status_message(0, 0, 0, 32767, [0, 65535] * 5, -1, -1, -1, -1)
+    log.write_bytes(record(pack(battery)))
+    path = converted(log, tmp_path / "out", "mcap")
+    (schema,) = summary(path).schemas.values()
+    with path.open("rb") as file:
+        ((*_, one),) = make_reader(file).iter_messages()
+    message = message_class(schema.name, schema.data).FromString(one.data)
+    assert not message.HasField("temperature") and not message.HasField("current_battery")
+    assert message.HasField("id") and message.id == 0
+    assert str(list(message.voltages)) == str([0.0, math.nan] * 5)
+
+
+def test_names_that_protobuf_does_not_take(tmp_path):
+    log = Log().define("AB-C", "QIii", "TimeUS,1st,a b,a_b").add("AB-C", 1_000_000, 1, -2, 3)
+    path = converted(log.write(tmp_path / "1.BIN"), tmp_path / "out", "mcap")
+    (rows,) = messages(path).values()
+    assert [content for *_, content in rows] == [
+        {"TimeUS": 1_000_000, "_1st": 1, "a_b": -2, "a_b_": 3}
+    ]
+
+
+@pytest.mark.usefixtures("no_descriptions")
+def test_comments_of_protobuf_have_units_and_enums(flight, tmp_path):
+    found = summary(converted(flight, tmp_path, "mcap", types=["HEARTBEAT", "ATTITUDE"]))
+    comments = {}
+    for schema in found.schemas.values():
+        (file,) = descriptor_pb2.FileDescriptorSet.FromString(schema.data).file
+        (message,) = file.message_type
+        for location in file.source_code_info.location:
+            for at in location.path[3:]:
+                comments[f"{message.name}.{message.field[at].name}"] = location.leading_comments
+    assert comments["HEARTBEAT.type"] == "one of MAV_TYPE"
+    assert comments["ATTITUDE.roll"] == "rad"
+
+
 def test_numbers_that_json_does_not_have_are_null(tmp_path):
     log = tmp_path / "a.tlog"
     values = [math.nan, math.inf, -math.inf, 0.1, 5e-324, -0.0]
@@ -235,9 +263,10 @@ def test_texts_are_in_the_log_panel(tmp_path):
     assert found[8][2]["message"].encode() == hostile
 
 
-def test_dataflash_logs(tmp_path):
+@pytest.mark.parametrize("format", FORMATS)
+def test_dataflash_logs(tmp_path, format):
     log = sample().write(tmp_path / "00000001.BIN")
-    path = converted(log, tmp_path / "out")
+    path = converted(log, tmp_path / "out", format)
     found = messages(path)
     for name, table in mavwire.read(log).items():
         rows = found[f"/{name}"]
@@ -316,14 +345,14 @@ def test_nothing_wanted_makes_no_file(flight, tmp_path):
 def test_a_second_run_does_what_is_missing(flight, tmp_path):
     out = tmp_path / "out"
     first = converted(flight, out)
-    (row,) = convert([flight], out, format="mcap")
+    (row,) = convert([flight], out, format="mcap-json")
     assert row.skipped
     content = first.read_bytes()
     first.unlink()
     assert converted(flight, out).read_bytes() == content
     twin = tmp_path / "flight.tlog"
     twin.write_bytes(record(heartbeat()))
-    rows = convert([flight, twin], out, format="mcap")
+    rows = convert([flight, twin], out, format="mcap-json")
     assert [(row.name, row.skipped) for row in rows] == [("flight", True), ("flight-2", False)]
 
 

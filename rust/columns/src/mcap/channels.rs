@@ -9,6 +9,7 @@ use mcap::Writer;
 use serde_json::{Map, Value, json};
 
 use super::foxglove::Extra;
+use super::{Encoding, protobuf};
 use crate::error::Error;
 use crate::layout::HEADER;
 use crate::reader::Batch;
@@ -19,19 +20,26 @@ const MOST_CHANNELS: usize = 65_535;
 /// System and component; `None` in a dataflash log, which is of one vehicle.
 type Sender = Option<(u8, u8)>;
 
-/// The descriptions of messages by name: that of the message, and those of its fields.
-pub type Descriptions = HashMap<String, (String, HashMap<String, String>)>;
+/// The description of a message, and those of its fields.
+pub(super) type Texts = (String, HashMap<String, String>);
+
+/// The descriptions of messages by name.
+pub type Descriptions = HashMap<String, Texts>;
 
 /// The channels of a file.
-#[derive(Default)]
 pub(super) struct Channels {
+    encoding: Encoding,
     /// Descriptions for the schemas.
-    pub(super) descriptions: Descriptions,
+    descriptions: Descriptions,
     /// By table, whether it is the additional channel, and sender.
     known: HashMap<(u16, bool, Sender), u16>,
 }
 
 impl Channels {
+    pub(super) fn new(encoding: Encoding, descriptions: Descriptions) -> Self {
+        Self { encoding, descriptions, known: HashMap::new() }
+    }
+
     /// The channel of each row of a batch.
     pub(super) fn of_rows<W: Write + Seek>(
         &mut self,
@@ -39,11 +47,21 @@ impl Channels {
         batch: &Batch,
     ) -> Result<Vec<u16>, Error> {
         each_row(batch, |sender| {
-            self.get((batch.index, false, sender), |descriptions| {
+            self.get((batch.index, false, sender), |encoding, descriptions| {
                 let texts = descriptions.get(&*batch.message);
-                let text = schema(&batch.message, &batch.rows.schema(), texts).to_string();
-                let id = writer.add_schema(&batch.message, "jsonschema", text.as_bytes())?;
-                add(writer, id, &topic(&batch.message, sender), batch, sender)
+                let (name, schema) = match encoding {
+                    Encoding::Protobuf => {
+                        let name = protobuf::identifier(&batch.message);
+                        let schema = protobuf::descriptor(&name, &batch.rows.schema(), texts);
+                        (name, schema)
+                    }
+                    Encoding::Json => {
+                        let text = schema(&batch.message, &batch.rows.schema(), texts).to_string();
+                        (batch.message.to_string(), text.into_bytes())
+                    }
+                };
+                let id = writer.add_schema(&name, encoding.of_schemas(), &schema)?;
+                add(writer, id, &topic(&batch.message, sender), encoding, batch, sender)
             })
         })
     }
@@ -56,11 +74,11 @@ impl Channels {
         extra: &Extra,
     ) -> Result<Vec<u16>, Error> {
         each_row(batch, |sender| {
-            self.get((batch.index, true, sender), |_| {
-                let text = extra.schema().to_string();
-                let id = writer.add_schema(extra.name(), "jsonschema", text.as_bytes())?;
+            self.get((batch.index, true, sender), |_, _| {
+                let (json, text) = (Encoding::Json, extra.schema().to_string());
+                let id = writer.add_schema(extra.name(), json.of_schemas(), text.as_bytes())?;
                 let topic = format!("{}/{}", topic(&batch.message, sender), extra.topic());
-                add(writer, id, &topic, batch, sender)
+                add(writer, id, &topic, json, batch, sender)
             })
         })
     }
@@ -68,7 +86,7 @@ impl Channels {
     fn get(
         &mut self,
         key: (u16, bool, Sender),
-        add: impl FnOnce(&Descriptions) -> Result<u16, Error>,
+        add: impl FnOnce(Encoding, &Descriptions) -> Result<u16, Error>,
     ) -> Result<u16, Error> {
         if let Some(&id) = self.known.get(&key) {
             return Ok(id);
@@ -76,7 +94,7 @@ impl Channels {
         if self.known.len() == MOST_CHANNELS {
             return Err(Error::TooManyChannels(MOST_CHANNELS));
         }
-        let id = add(&self.descriptions)?;
+        let id = add(self.encoding, &self.descriptions)?;
         self.known.insert(key, id);
         Ok(id)
     }
@@ -107,6 +125,7 @@ fn add<W: Write + Seek>(
     writer: &mut Writer<W>,
     schema: u16,
     topic: &str,
+    encoding: Encoding,
     batch: &Batch,
     sender: Sender,
 ) -> Result<u16, Error> {
@@ -115,7 +134,7 @@ fn add<W: Write + Seek>(
         metadata.insert("sysid".to_owned(), sysid.to_string());
         metadata.insert("compid".to_owned(), compid.to_string());
     }
-    Ok(writer.add_channel(schema, topic, "json", &metadata)?)
+    Ok(writer.add_channel(schema, topic, encoding.of_messages(), &metadata)?)
 }
 
 fn topic(message: &str, sender: Sender) -> String {
@@ -126,16 +145,10 @@ fn topic(message: &str, sender: Sender) -> String {
 }
 
 /// The JSON Schema of a message: the types of its fields, and as descriptions their texts, units and enums.
-fn schema(
-    message: &str,
-    schema: &Schema,
-    texts: Option<&(String, HashMap<String, String>)>,
-) -> Value {
-    let fields = schema.fields().iter().filter(|field| !HEADER.contains(&field.name().as_str()));
-    let text = |field: &Field| texts.and_then(|(_, fields)| fields.get(field.name())).cloned();
-    let properties: Map<_, _> = fields
-        .map(|field| (field.name().clone(), property(field, text(field).unwrap_or_default())))
-        .collect();
+fn schema(message: &str, schema: &Schema, texts: Option<&Texts>) -> Value {
+    let fields = schema.fields().iter().filter(|field| is_body(field.name()));
+    let properties: Map<_, _> =
+        fields.map(|field| (field.name().clone(), property(field, texts))).collect();
     let mut schema = json!({"title": message, "type": "object", "properties": properties});
     if let Some((text, _)) = texts.filter(|(text, _)| !text.is_empty()) {
         schema["description"] = text.as_str().into();
@@ -143,22 +156,36 @@ fn schema(
     schema
 }
 
-fn property(field: &Field, text: String) -> Value {
+/// Whether a column is a field of the message.
+pub(super) fn is_body(column: &str) -> bool {
+    !HEADER.contains(&column)
+}
+
+fn property(field: &Field, texts: Option<&Texts>) -> Value {
     let mut property = match field.data_type() {
         DataType::FixedSizeList(item, _) => {
             json!({"type": "array", "items": {"type": type_of(item.data_type())}})
         }
         scalar => json!({"type": type_of(scalar)}),
     };
-    let said = match (text.is_empty(), description(field)) {
-        (true, facts) => facts,
-        (false, facts) if facts.is_empty() => text,
-        (false, facts) => format!("{text} ({facts})"),
-    };
+    let mut said = said_of(field, texts);
+    if field.data_type() == &DataType::Binary {
+        said.push_str(if said.is_empty() { "hexadecimal" } else { ", hexadecimal" });
+    }
     if !said.is_empty() {
         property["description"] = said.into();
     }
     property
+}
+
+/// What a schema says of a field: its description, unit and enum.
+pub(super) fn said_of(field: &Field, texts: Option<&Texts>) -> String {
+    let text = texts.and_then(|(_, fields)| fields.get(field.name())).cloned().unwrap_or_default();
+    match (text.is_empty(), facts(field)) {
+        (true, facts) => facts,
+        (false, facts) if facts.is_empty() => text,
+        (false, facts) => format!("{text} ({facts})"),
+    }
 }
 
 fn type_of(data_type: &DataType) -> &'static str {
@@ -169,7 +196,7 @@ fn type_of(data_type: &DataType) -> &'static str {
     }
 }
 
-fn description(field: &Field) -> String {
+fn facts(field: &Field) -> String {
     let metadata = field.metadata();
     let mut said = Vec::new();
     if let Some(unit) = metadata.get("unit") {
@@ -181,9 +208,6 @@ fn description(field: &Field) -> String {
     if let Some(name) = metadata.get("enum") {
         let kind = if metadata.contains_key("bitmask") { "bits of" } else { "one of" };
         said.push(format!("{kind} {name}"));
-    }
-    if field.data_type() == &DataType::Binary {
-        said.push("hexadecimal".to_owned());
     }
     said.join(", ")
 }

@@ -24,6 +24,9 @@ const POSITIONS: &[(&str, [&str; 3], Option<&str>)] = &[
     ("POS", ["Lat", "Lng", "Alt"], None),
 ];
 
+const NO_COVARIANCE: &str =
+    r#""position_covariance":[0,0,0,0,0,0,0,0,0],"position_covariance_type":0"#;
+
 /// Level of `foxglove.Log` by severity: emergency, alert, critical, error, warning, notice, info, debug.
 const LEVELS: [u8; 8] = [5, 5, 5, 4, 3, 2, 2, 1];
 const INFO: u8 = 2;
@@ -111,39 +114,34 @@ impl Extra {
     /// Appends a row as JSON; nothing where there is no position. `time` in microseconds.
     pub(super) fn encode(&self, row: usize, time: i64, out: &mut Vec<u8>) {
         let time = u64::try_from(time).unwrap_or(0);
-        let time = json!({"sec": time / 1_000_000, "nsec": time % 1_000_000 * 1000});
-        let message = match self {
+        let (sec, nsec) = (time / 1_000_000, time % 1_000_000 * 1000);
+        let time = format!(r#""timestamp":{{"sec":{sec},"nsec":{nsec}}}"#);
+        let written = match self {
             Self::Location { lat, lon, alt, fix } => {
                 let (lat, lon, alt) = (value(lat, row), value(lon, row), value(alt, row));
                 let has_fix = fix.as_ref().is_none_or(|fix| value(fix, row) >= FIX_2D);
                 if !has_fix || !is_place(lat, lon) {
                     return;
                 }
-                json!({
-                    "timestamp": time,
-                    "frame_id": "",
-                    "latitude": lat,
-                    "longitude": lon,
-                    "altitude": alt,
-                    "position_covariance": [0, 0, 0, 0, 0, 0, 0, 0, 0],
-                    "position_covariance_type": 0,
-                })
+                let alt = Value::from(alt); // null for NaN
+                write!(
+                    out,
+                    r#"{{{time},"frame_id":"","latitude":{lat},"longitude":{lon},"altitude":{alt},{NO_COVARIANCE}}}"#
+                )
             }
             Self::Log { texts, severity, senders } => {
-                let text = if texts.is_valid(row) { texts.value(row) } else { "" };
+                let text = Value::from(if texts.is_valid(row) { texts.value(row) } else { "" });
                 let level = severity.as_ref().map(|all| usize::from(all.value(row)));
+                let level = level.map_or(INFO, |one| LEVELS.get(one).copied().unwrap_or(0));
                 let sender = senders.as_ref().map(|[one, two]| (one.value(row), two.value(row)));
-                json!({
-                    "timestamp": time,
-                    "level": level.map_or(INFO, |one| LEVELS.get(one).copied().unwrap_or(0)),
-                    "message": text,
-                    "name": sender.map_or(String::new(), |(one, two)| format!("{one}/{two}")),
-                    "file": "",
-                    "line": 0,
-                })
+                let name = sender.map_or(String::new(), |(one, two)| format!("{one}/{two}"));
+                write!(
+                    out,
+                    r#"{{{time},"level":{level},"message":{text},"name":"{name}","file":"","line":0}}"#
+                )
             }
         };
-        let _ = write!(out, "{message}");
+        debug_assert!(written.is_ok(), "a vector takes all");
     }
 }
 

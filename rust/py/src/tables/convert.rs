@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use mavwire_columns::Error;
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{self, Compression, Format, Sink, moments};
-use mavwire_columns::mcap;
+use mavwire_columns::mcap::{self, Encoding, Settings};
 use mavwire_columns::output::{self, Output};
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
@@ -78,7 +78,7 @@ impl Work {
     }
 }
 
-/// Writes the tables of a log to `folder/MESSAGE/file`, or all of them to `folder/file` where the format is `mcap`.
+/// Writes the tables of a log to `folder/MESSAGE/file`, or all of them to `folder/file` where the format is `mcap` or `mcap-json`.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct Converter {
     log: Py<LogColumns>,
@@ -103,14 +103,16 @@ impl Converter {
         compression: &str,
     ) -> PyResult<Self> {
         let how = compression_of(compression)?;
-        let output = if format == "mcap" {
+        let encoding = match format {
+            "mcap" => Some(Encoding::Protobuf),
+            "mcap-json" => Some(Encoding::Json),
+            _ => None,
+        };
+        let output = if let Some(encoding) = encoding {
             check(mcap::takes(how), format, compression)?;
-            Output::mcap(
-                folder.join(file),
-                how,
-                Draft::create,
-                query.descriptions.unwrap_or_default(),
-            )
+            let descriptions = query.descriptions.unwrap_or_default();
+            let settings = Settings { encoding, compression: how, descriptions };
+            Output::mcap(folder.join(file), Draft::create, settings)
         } else {
             let kind = format_of(format, query.csv_safe)?;
             check(kind.takes(how), format, compression)?;
