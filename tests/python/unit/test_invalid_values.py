@@ -168,7 +168,7 @@ def test_files_leave_them_out(format: str, path: Path, tmp_path: Path) -> None:
     how: dict[str, Any] = {} if format in ONE_FILE else {"units": "si"}
     (row,) = convert([path], out, format=format, **how)
     assert row.error is None
-        if format == "jsonl":
+    if format == "jsonl":
         lines = [json.loads(one) for one in (out / "SYS_STATUS/flight.jsonl").open()]
         assert [one.get("voltage_battery") for one in lines] == [12.6, None]
         lines = [json.loads(one) for one in (out / "BATTERY_STATUS/flight.jsonl").open()]
