@@ -33,106 +33,71 @@ mod _native {
 
     #[cfg(unix)]
     #[pymodule_export]
-    use crate::bridge::batch::FrameBatch;
-    #[cfg(unix)]
-    #[pymodule_export]
-    use crate::bridge::core::{BridgeCore, BridgeTap};
-    #[pymodule_export]
-    use crate::dataflash::clock::{MicrosClock, gps_time};
-    #[pymodule_export]
-    use crate::dataflash::message::DFMessage;
-    #[pymodule_export]
-    use crate::dataflash::reader::DataflashReader;
-    #[pymodule_export]
-    use crate::dataflash::shape::DataflashShape;
-    #[pymodule_export]
-    use crate::dialect::definition_file::{
-        DefinitionFile, builtin_definitions, crc_extra, definition_sources, definition_union,
-        field_type, number_behind,
+    use crate::{
+        bridge::{
+            batch::FrameBatch,
+            core::{BridgeCore, BridgeTap},
+        },
+        python::error::BridgeError,
     };
     #[pymodule_export]
-    use crate::dialect::describe::describe;
-    #[pymodule_export]
-    use crate::dialect::registry::Dialect;
-    #[pymodule_export]
-    use crate::dump::log_dump::dump_log;
-    #[pymodule_export]
-    use crate::link::instances::add_message;
-    #[pymodule_export]
-    use crate::link::live_batch::receive_batch;
-    #[pymodule_export]
-    use crate::link::live_link::LiveLink;
-    #[pymodule_export]
-    use crate::link::log_link::LogLink;
-    #[pymodule_export]
-    use crate::link::methods::instance_dict;
-    #[pymodule_export]
-    use crate::link::replaced::replace_function;
-    #[pymodule_export]
-    use crate::link::state::Link;
-    #[pymodule_export]
-    use crate::link::system::{SystemState, forget_states};
-    #[pymodule_export]
-    use crate::message::classes::message_class;
-    #[pymodule_export]
-    use crate::message::descriptors::MetaAttr;
-    #[pymodule_export]
-    use crate::message::dict::{message_dict, restore};
-    #[pymodule_export]
-    use crate::message::info::MessageInfo;
-    #[pymodule_export]
-    use crate::message::object::Message;
-    #[pymodule_export]
-    use crate::port::peers::peer_to_replace;
-    #[pymodule_export]
-    use crate::port::ports::DescriptorPort;
-    #[pymodule_export]
-    use crate::port::recording::recordable;
-    #[pymodule_export]
-    use crate::port::stream_writer::StreamWriter;
-    #[pymodule_export]
-    use crate::port::tls_port::TlsPort;
-    #[pymodule_export]
-    use crate::protocol::mavlink::MAVLink;
-    #[pymodule_export]
-    use crate::protocol::sequence_gaps::SequenceGaps;
-    #[pymodule_export]
-    use crate::protocol::signing::Signing;
-    #[pymodule_export]
-    use crate::protocol::status_texts::StatusTexts;
-    #[pymodule_export]
-    use crate::protocol::x25::x25_accumulate;
-    #[cfg(unix)]
-    #[pymodule_export]
-    use crate::python::error::BridgeError;
-    #[pymodule_export]
-    use crate::python::error::DefinitionError;
-    #[pymodule_export]
-    use crate::sync::exclusive::Exclusive;
-    #[pymodule_export]
-    use crate::tables::align::align_tables;
-    #[pymodule_export]
-    use crate::tables::column_view::ColumnView;
-    #[pymodule_export]
-    use crate::tables::columns::{LogColumns, empty_table, log_summary};
-    #[pymodule_export]
-    use crate::tables::convert::{Converter, csv_safe, folder_of, is_device, write_table};
-    #[pymodule_export]
-    use crate::tables::dataflash::DataflashTables;
-    #[pymodule_export]
-    use crate::tables::dates::{date_text, jump_text};
-    #[pymodule_export]
-    use crate::tables::decompress::{decompress, draft_stem};
-    #[pymodule_export]
-    use crate::tables::identify::{LogKind, identify};
-    #[pymodule_export]
-    use crate::tables::lake_file::LakeFile;
-    #[pymodule_export]
-    use crate::tables::open_log::LogScan;
-    #[pymodule_export]
-    use crate::tables::rewrite::LogRewrite;
-    #[pymodule_export]
-    use crate::tables::table::RecordBatches;
+    use crate::{
+        dataflash::{
+            clock::{MicrosClock, gps_time},
+            message::DFMessage,
+            reader::DataflashReader,
+            shape::DataflashShape,
+        },
+        dialect::{
+            definition_file::{
+                DefinitionFile, builtin_definitions, crc_extra, definition_sources,
+                definition_union, field_type, number_behind,
+            },
+            describe::describe,
+            registry::Dialect,
+        },
+        dump::log_dump::dump_log,
+        link::{
+            instances::add_message,
+            live_batch::receive_batch,
+            live_link::LiveLink,
+            log_link::LogLink,
+            replaced::replace_function,
+            state::Link,
+            system::{SystemState, forget_states},
+        },
+        message::{
+            classes::message_class,
+            descriptors::MetaAttr,
+            dict::{message_dict, restore},
+            info::MessageInfo,
+            object::Message,
+        },
+        port::{
+            peers::peer_to_replace, ports::DescriptorPort, recording::recordable,
+            stream_writer::StreamWriter, tls_port::TlsPort,
+        },
+        protocol::{
+            mavlink::MAVLink, sequence_gaps::SequenceGaps, signing::Signing,
+            status_texts::StatusTexts, x25::x25_accumulate,
+        },
+        python::{error::DefinitionError, instance_dict::instance_dict},
+        sync::exclusive::Exclusive,
+        tables::{
+            align::align_tables,
+            column_view::ColumnView,
+            columns::{LogColumns, empty_table, log_summary},
+            convert::{Converter, csv_safe, folder_of, is_device, write_table},
+            dataflash::DataflashTables,
+            dates::{date_text, jump_text},
+            decompress::{decompress, draft_stem},
+            identify::{LogKind, identify},
+            lake_file::LakeFile,
+            open_log::LogScan,
+            rewrite::LogRewrite,
+            table::RecordBatches,
+        },
+    };
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

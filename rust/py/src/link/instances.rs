@@ -9,9 +9,9 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::message::dict;
 use crate::message::info::Info;
-use crate::message::object::{Message, Origin, flags, instance_dict};
+use crate::message::object::{Message, Origin, flags};
 use crate::message::values;
-use crate::python::instance_dict::generic_setattr;
+use crate::python::instance_dict::{generic_setattr, instance_dict};
 
 /// Stores a message as the newest of its type, and as the newest of its instance if it has one: then `messages[type]`
 /// is a copy whose items are the instances' newest messages, and `messages["TYPE[instance]"]` a further copy.

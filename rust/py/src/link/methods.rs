@@ -12,7 +12,7 @@ use crate::link::tracking;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::truth;
-use crate::python::instance_dict::{generic_dict, generic_setattr};
+use crate::python::instance_dict::generic_setattr;
 use crate::python::own_methods::OwnMethods;
 
 #[pymethods]
@@ -217,12 +217,6 @@ impl Link {
         let old = std::mem::take(&mut *self.state());
         drop(old);
     }
-}
-
-/// The instance's own dictionary, for classes that show a `__dict__` of their own making.
-#[pyfunction]
-pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
-    generic_dict(object)
 }
 
 properties! {

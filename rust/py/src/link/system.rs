@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use crate::link::instances::add_message;
 use crate::message::info::Info;
 use crate::message::object::Message;
-use crate::python::instance_dict::{generic_dict, generic_setattr};
+use crate::python::instance_dict::{generic_setattr, instance_dict};
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
@@ -96,7 +96,7 @@ impl SystemState {
         name: &Bound<'_, PyString>,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let before = generic_dict(slf.as_any())?.get_item(name)?;
+        let before = instance_dict(slf)?.get_item(name)?;
         // What cannot be compared, like an array, may have changed.
         let changed = before.is_none_or(|before| !before.eq(value).unwrap_or(false));
         generic_setattr(slf, name, Some(value))?;

@@ -17,8 +17,9 @@ use crate::link::replaced;
 use crate::link::state::Link;
 use crate::link::system::SystemState;
 use crate::message::info::PARAM_VALUE;
-use crate::message::object::{Message, flags, instance_dict};
+use crate::message::object::{Message, flags};
 use crate::python::calling::Calling;
+use crate::python::instance_dict::instance_dict;
 
 /// Takes a message into the link's state, once. A log notes its number of the link, and that it was the last one.
 pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {

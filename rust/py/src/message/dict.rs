@@ -9,7 +9,8 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::message::create::{self, create};
 use crate::message::meta;
-use crate::message::object::{Message, Origin, flags, instance_dict};
+use crate::message::object::{Message, Origin, flags};
+use crate::python::instance_dict::instance_dict;
 use mavwire_core::frame::{FrameBytes, FrameRef};
 
 /// `vars(message)`: the dictionary with every attribute in it.

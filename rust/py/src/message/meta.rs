@@ -10,8 +10,9 @@ use pyo3::types::{PyByteArray, PyBytes};
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;
 
-use crate::message::object::{Message, Origin, flags, flags_for, instance_dict, payload_of};
+use crate::message::object::{Message, Origin, flags, flags_for, payload_of};
 use crate::python::calling::Calling;
+use crate::python::instance_dict::instance_dict;
 
 /// The underscore attributes in the order of `vars(message)`. The last two are only there once they are set, and
 /// `_instance_offset` only in messages of a definition.

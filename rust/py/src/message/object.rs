@@ -8,12 +8,11 @@ use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
 use mavwire_core::frame::{HEADER_LEN_V1, HEADER_LEN_V2, Header, STX_V2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString};
+use pyo3::types::{PyBytes, PyString};
 
 use crate::message::extra::Extra;
 use crate::message::info::Info;
 use crate::python::collector;
-use crate::python::instance_dict::generic_dict;
 use crate::sync::shared;
 use mavwire_core::frame::FrameBytes;
 
@@ -212,11 +211,6 @@ pub(crate) fn payload_of(frame: &[u8]) -> &[u8] {
     let &[stx, len, ..] = frame else { return &[] };
     let start = if stx == STX_V2 { HEADER_LEN_V2 } else { HEADER_LEN_V1 };
     frame.get(start..).and_then(|rest| rest.get(..usize::from(len))).unwrap_or_default()
-}
-
-/// The instance's own dictionary, as it stands.
-pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
-    generic_dict(message.as_any())
 }
 
 /// The flags that writing to an attribute of this name sets.

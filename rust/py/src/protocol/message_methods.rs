@@ -9,11 +9,11 @@ use mavwire_core::frame::Header;
 use crate::message::descriptors::no_attribute;
 use crate::message::dict;
 use crate::message::info::MessageInfo;
-use crate::message::object::{Message, flags, flags_for, instance_dict};
+use crate::message::object::{Message, flags, flags_for};
 use crate::message::text;
 use crate::protocol::pack;
 use crate::python::calling::truth;
-use crate::python::instance_dict::generic_setattr;
+use crate::python::instance_dict::{generic_setattr, instance_dict};
 
 #[pymethods]
 impl Message {

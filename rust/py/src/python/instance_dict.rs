@@ -4,8 +4,9 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-/// The dictionary of any object that has one, past the `__dict__` of its class.
-pub(crate) fn generic_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+/// The instance's own dictionary, for classes that show a `__dict__` of their own making.
+#[pyfunction]
+pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     // SAFETY: the argument is a live object; the call returns a new reference to its dictionary or sets an exception.
     let dict = unsafe {
         let dict = ffi::PyObject_GenericGetDict(object.as_ptr(), std::ptr::null_mut());
