@@ -77,12 +77,6 @@ impl LiveLink {
         self.writer.set(Some(value.unbind()));
     }
 
-    /// Bytes wait to be sent, so that receiving has to go through Python, which sends them.
-    #[getter]
-    fn _has_unsent(&self, py: Python<'_>) -> bool {
-        self.has_unsent(py)
-    }
-
     /// Closes the connection `port`, and waits on `fd` from then on. Bytes that wait to be sent and the start of a frame are
     /// dropped. False if that was done before.
     fn _end_connection(
@@ -102,12 +96,6 @@ impl LiveLink {
         slf.setattr(intern!(py, "port"), py.None())?;
         close_port(port)?;
         Ok(true)
-    }
-
-    /// Peers that had to make room for others.
-    #[getter]
-    fn peers_forgotten(&self) -> u64 {
-        self.source().peers.forgotten
     }
 
     /// Whether data that was read ahead is buffered. The descriptor does not show such data.
@@ -141,4 +129,13 @@ impl LiveLink {
             source.peers.switch(&mut mav.get().parser(), from);
         }
     }
+}
+
+properties! {
+    LiveLink:
+
+    /// Bytes wait to be sent, so that receiving has to go through Python, which sends them.
+    _has_unsent: bool = |link, py| (field link.has_unsent(py));
+    /// Peers that had to make room for others.
+    peers_forgotten: u64 = |link| (field link.source().peers.forgotten);
 }

@@ -71,12 +71,6 @@ impl Link {
         self.replace(Some(value), |state| &mut state.message_hooks);
     }
 
-    /// Message types, instances, components and parameters that were not kept because there were too many already.
-    #[getter]
-    fn names_refused(&self) -> u64 {
-        self.state().room.refused
-    }
-
     /// `{(sysid, compid): last sequence number}`, a copy.
     #[getter(last_seq)]
     fn get_last_seq<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -114,18 +108,6 @@ impl Link {
         Ok(())
     }
 
-    /// Messages are stamped with `uptime` instead of the time of their record.
-    #[getter(notimestamps)]
-    fn get_notimestamps(&self) -> bool {
-        self.state().reception.stamps_uptime
-    }
-    #[setter(notimestamps)]
-    fn set_notimestamps(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let value = value.is_truthy()?;
-        self.state().reception.stamps_uptime = value;
-        Ok(())
-    }
-
     /// The protocol version of the link is still to be found out from its first byte.
     #[getter(first_byte)]
     fn get_first_byte(&self) -> bool {
@@ -134,26 +116,6 @@ impl Link {
     #[setter(first_byte)]
     fn set_first_byte(&self, #[pyo3(from_py_with = truth)] value: bool) {
         self.state().knows_version = !value;
-    }
-
-    /// File that received messages are recorded to, or None.
-    #[getter(logfile)]
-    fn get_logfile(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.state().logfile.as_ref().map(|file| file.clone_ref(py))
-    }
-    #[setter(logfile)]
-    fn set_logfile(&self, value: Option<Py<PyAny>>) {
-        self.replace(value, |state| &mut state.logfile);
-    }
-
-    /// File that received bytes are recorded to, or None.
-    #[getter(logfile_raw)]
-    fn get_logfile_raw(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.state().logfile_raw.as_ref().map(|file| file.clone_ref(py))
-    }
-    #[setter(logfile_raw)]
-    fn set_logfile_raw(&self, value: Option<Py<PyAny>>) {
-        self.replace(value, |state| &mut state.logfile_raw);
     }
 
     /// Forgets a frame whose rest will not come: the peer is gone.
@@ -222,6 +184,14 @@ impl Link {
 properties! {
     Link:
 
+    /// Message types, instances, components and parameters that were not kept because there were too many already.
+    names_refused: u64 = |link| (field link.state().room.refused);
+    /// Messages are stamped with `uptime` instead of the time of their record.
+    notimestamps, set_notimestamps as truth: bool = |link| (field link.state().reception.stamps_uptime);
+    /// File that received messages are recorded to, or None.
+    logfile, set_logfile: Option<Py<PyAny>> = |link| (object link.state().logfile);
+    /// File that received bytes are recorded to, or None.
+    logfile_raw, set_logfile_raw: Option<Py<PyAny>> = |link| (object link.state().logfile_raw);
     /// Time of the record being read from a log; None on live links.
     _timestamp, put_record_time: Option<f64> = |link| (field link.state().reception.record_time);
     /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.

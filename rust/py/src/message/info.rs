@@ -171,46 +171,10 @@ impl MessageInfo {
 
 #[pymethods]
 impl MessageInfo {
-    /// Upper-case message name.
-    #[getter]
-    fn name(&self, py: Python<'_>) -> Py<PyString> {
-        self.info.name.clone_ref(py)
-    }
-
-    /// Message id.
-    #[getter]
-    fn id(&self) -> u32 {
-        self.info.definition.id
-    }
-
-    /// Checksum seed of the definition.
-    #[getter]
-    fn crc_extra(&self) -> u8 {
-        self.info.definition.crc_extra
-    }
-
-    /// Payload bytes of the base fields.
-    #[getter]
-    fn min_len(&self) -> u8 {
-        self.info.definition.min_len
-    }
-
-    /// Payload bytes with the extension fields.
-    #[getter]
-    fn max_len(&self) -> u8 {
-        self.info.definition.max_len
-    }
-
     /// Field names in XML order.
     #[getter]
     fn fieldnames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, self.info.names.iter().map(|n| n.name.bind(py)))
-    }
-
-    /// Field names in wire order.
-    #[getter]
-    fn ordered_fieldnames(&self) -> Vec<&str> {
-        self.info.definition.wire_fields().map(|(_, field)| field.name.as_str()).collect()
     }
 
     /// Field name to `display`.
@@ -229,12 +193,6 @@ impl MessageInfo {
     #[getter]
     fn fieldunits_by_name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.by_field(py, |f| f.units.as_deref())
-    }
-
-    /// Format of Python's `struct` module, wire order.
-    #[getter]
-    fn unpacker_format(&self) -> String {
-        self.info.definition.struct_format()
     }
 
     /// Name of the field that tells instances apart, and its payload offset.
@@ -262,4 +220,24 @@ impl MessageInfo {
         });
         PyList::new(py, rows.collect::<PyResult<Vec<Bound<'py, PyTuple>>>>()?)
     }
+}
+
+properties! {
+    MessageInfo:
+
+    /// Upper-case message name.
+    name: Py<PyString> = |this, py| (field this.info.name.clone_ref(py));
+    /// Message id.
+    id: u32 = |this| (field this.info.definition.id);
+    /// Checksum seed of the definition.
+    crc_extra: u8 = |this| (field this.info.definition.crc_extra);
+    /// Payload bytes of the base fields.
+    min_len: u8 = |this| (field this.info.definition.min_len);
+    /// Payload bytes with the extension fields.
+    max_len: u8 = |this| (field this.info.definition.max_len);
+    /// Field names in wire order.
+    ordered_fieldnames: Vec<&str> =
+        |this| (field this.info.definition.wire_fields().map(|(_, field)| field.name.as_str()).collect());
+    /// Format of Python's `struct` module, wire order.
+    unpacker_format: String = |this| (field this.info.definition.struct_format());
 }

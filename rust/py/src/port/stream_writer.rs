@@ -3,7 +3,7 @@
 //! A frame that was begun is always finished, because half a frame makes the peer drop what follows. What the peer does not
 //! take is queued up to a bound; beyond it, whole frames are dropped and counted.
 
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::AtomicU64;
 
 use mavwire_core::frame::frames;
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -166,12 +166,6 @@ impl StreamWriter {
         PyBytes::new(py, self.queue.lock(py).unsent())
     }
 
-    /// Bytes that a port has taken.
-    #[getter]
-    fn bytes_sent(&self) -> u64 {
-        self.bytes_sent.load(Relaxed)
-    }
-
     /// Sends `frame`, or several side by side, after what is queued; `OSError` when the connection is gone, and then
     /// `clear` counts the frames.
     fn write(&self, port: &Bound<'_, PyAny>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -198,6 +192,8 @@ impl StreamWriter {
 properties! {
     StreamWriter:
 
+    /// Bytes that a port has taken.
+    bytes_sent: u64 = |writer| (atomic writer.bytes_sent);
     /// Frames that were not sent.
     dropped_frames, set_dropped_frames: u64 = |writer| (atomic writer.dropped_frames);
 }

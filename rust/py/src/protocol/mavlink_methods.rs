@@ -90,16 +90,6 @@ impl MAVLink {
         generic_setattr(slf, name, None)
     }
 
-    /// Bad input gives BAD_DATA messages instead of exceptions.
-    #[getter]
-    fn robust_parsing(&self) -> bool {
-        self.robust_parsing.load(Relaxed)
-    }
-    #[setter]
-    fn set_robust_parsing(&self, #[pyo3(from_py_with = truth)] value: bool) {
-        self.robust_parsing.store(value, Relaxed);
-    }
-
     /// The policy after a damaged frame: "skip" drops its whole claimed length, "rescan" looks for frames inside it.
     #[getter]
     fn resync(&self) -> &'static str {
@@ -149,15 +139,6 @@ impl MAVLink {
     #[setter]
     fn set_buf_index(&self, value: usize) {
         self.parser().skip(value);
-    }
-    /// The last byte read started no frame (only without `robust_parsing`).
-    #[getter]
-    fn have_prefix_error(&self) -> bool {
-        self.parser().have_prefix_error
-    }
-    #[setter]
-    fn set_have_prefix_error(&self, #[pyo3(from_py_with = truth)] value: bool) {
-        self.parser().have_prefix_error = value;
     }
 
     #[classattr]
@@ -302,6 +283,10 @@ impl MAVLink {
 properties! {
     MAVLink:
 
+    /// Bad input gives BAD_DATA messages instead of exceptions.
+    robust_parsing, set_robust_parsing as truth: bool = |mav| (atomic mav.robust_parsing);
+    /// The last byte read started no frame (only without `robust_parsing`).
+    have_prefix_error, set_have_prefix_error as truth: bool = |mav| (field mav.parser().have_prefix_error);
     /// The object that frames are written to: it has `write(bytes)`.
     file, set_file: Option<Py<PyAny>> = |mav| (slot mav.file);
     /// `callback(message, *callback_args, **callback_kwargs)` is called for every message received.

@@ -244,16 +244,6 @@ impl Signing {
         same
     }
 
-    /// Sign what is sent.
-    #[getter]
-    fn sign_outgoing(&self) -> bool {
-        self.signs_outgoing()
-    }
-    #[setter]
-    fn set_sign_outgoing(&self, #[pyo3(from_py_with = truth)] value: bool) {
-        self.sign_outgoing.store(value, Relaxed);
-    }
-
     /// Last timestamp of each verified stream: `{(link_id, sysid, compid): timestamp}`, a copy.
     #[getter]
     fn stream_timestamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -300,6 +290,8 @@ impl Signing {
 properties! {
     Signing:
 
+    /// Sign what is sent.
+    sign_outgoing, set_sign_outgoing as truth: bool = |signing| (atomic signing.sign_outgoing);
     /// Link id that outgoing signatures carry, 0 to 255.
     link_id, set_link_id: u8 = |signing| (atomic signing.link_id);
     /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.

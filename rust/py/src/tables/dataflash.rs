@@ -55,18 +55,6 @@ impl DataflashTables {
         }))
     }
 
-    /// Whether it is a binary log; else it is text.
-    #[getter]
-    fn is_binary(&self) -> bool {
-        matches!(self.survey.form, Form::Binary(_))
-    }
-
-    /// The record types that the log describes.
-    #[getter]
-    fn names(&self) -> Vec<&str> {
-        self.survey.tables.iter().map(|name| &**name).collect()
-    }
-
     /// The columns of each record type that the log describes, `{name: [column, ...]}`.
     fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = |table| -> Vec<String> {
@@ -114,4 +102,13 @@ impl DataflashTables {
         }
         Ok(summary_dict(py, &sum, types)?)
     }
+}
+
+properties! {
+    DataflashTables:
+
+    /// Whether it is a binary log; else it is text.
+    is_binary: bool = |log| (field matches!(log.survey.form, Form::Binary(_)));
+    /// The record types that the log describes.
+    names: Vec<&str> = |log| (field log.survey.tables.iter().map(|name| &**name).collect());
 }

@@ -101,22 +101,11 @@ impl RecordBatches {
         Ok(Self::new(schema, batches))
     }
 
-    #[getter]
-    fn num_rows(&self) -> usize {
-        self.batches.iter().map(RecordBatch::num_rows).sum()
-    }
-
     /// Bytes of the values.
     #[getter]
     fn nbytes(&self) -> usize {
         let columns = self.batches.iter().flat_map(RecordBatch::columns);
         columns.map(|column| column.to_data().get_slice_memory_size().unwrap_or(0)).sum()
-    }
-
-    /// Names of the columns.
-    #[getter]
-    fn names(&self) -> Vec<&str> {
-        self.schema.fields().iter().map(|field| field.name().as_str()).collect()
     }
 
     /// `{column: {key: value}}`.
@@ -293,6 +282,15 @@ impl RecordBatches {
         let batches = self.batches.iter().map(|batch| batch.project(kept));
         Ok(Self::new(schema, batches.collect::<Result<_, _>>()?))
     }
+}
+
+properties! {
+    RecordBatches:
+
+    num_rows: usize = |table| (field table.batches.iter().map(RecordBatch::num_rows).sum());
+    /// Names of the columns.
+    names: Vec<&str> =
+        |table| (field table.schema.fields().iter().map(|field| field.name().as_str()).collect());
 }
 
 /// The batches of tables that a Python iterator gives, one behind the other.
