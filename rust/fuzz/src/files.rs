@@ -13,7 +13,7 @@ use mavwire_core::log::dataflash::{Definitions, RecordEntry, index};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN};
 use mavwire_io::dataflash::DataflashFile;
 use mavwire_io::dataflash_log::DataflashLog;
-use mavwire_io::records::{AtOffset, RecordFinder};
+use mavwire_io::records::RecordFinder;
 use mavwire_io::text_log::TextLogFile;
 use mavwire_io::window::FileWindow;
 
@@ -68,14 +68,14 @@ fn telemetry(path: &Path, chunk: usize, bytes: &[u8]) {
     let mut found = Vec::new();
     loop {
         let len = match finder.look(&mut window, offset, &ALL).expect("a file") {
-            AtOffset::Record { len, .. } => {
+            FoundRecord::Record { len, .. } => {
                 let start = offset as usize;
                 FrameRef::parse(&bytes[start + STAMP_LEN..start + len]).expect("a frame");
                 found.push(start..start + len);
                 len
             }
-            AtOffset::Junk { len } => len,
-            AtOffset::End => break,
+            FoundRecord::Junk { len } => len,
+            FoundRecord::Incomplete { .. } => break,
         };
         assert!(len > 0);
         offset += len as u64;

@@ -5,13 +5,13 @@ use std::collections::{HashSet, TryReserveError};
 use std::io;
 use std::sync::Arc;
 
-use crate::records::{AtOffset, RecordFinder};
+use crate::records::RecordFinder;
 use crate::window::FileWindow;
 use mavwire_core::codec::read;
 use mavwire_core::frame::{
     CHECKSUM_LEN, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V1, STX_V2,
 };
-use mavwire_core::log::tlog::STAMP_LEN;
+use mavwire_core::log::tlog::{FoundRecord, STAMP_LEN};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::distance_to_stx;
 use mavwire_core::schema::Message as Definition;
@@ -69,9 +69,9 @@ fn find_good(
 ) -> io::Result<Option<Indexed>> {
     loop {
         match finder.look(window, offset, registry)? {
-            AtOffset::Junk { len } => offset += len as u64,
-            AtOffset::End => return Ok(None),
-            AtOffset::Record { len, header, .. } => {
+            FoundRecord::Junk { len } => offset += len as u64,
+            FoundRecord::Incomplete { .. } => return Ok(None),
+            FoundRecord::Record { len, header, .. } => {
                 let payload = offset + (STAMP_LEN + header.len()) as u64;
                 return Ok(Some(Indexed { offset, next: offset + len as u64, header, payload }));
             }

@@ -9,10 +9,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::progress::Progress;
-use crate::records::{AtOffset, RecordFinder};
+use crate::records::RecordFinder;
 use crate::window::FileWindow;
 use mavwire_core::frame::{FrameBytes, MAX_FRAME_LEN};
-use mavwire_core::log::tlog::{Ahead, Before, Checked, Framing, MAX_JUMP, Rules, STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{
+    Ahead, Before, Checked, FoundRecord, Framing, MAX_JUMP, Rules, STAMP_LEN, Stamp,
+};
 use mavwire_core::parser::{Parser, Step};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
@@ -310,25 +312,25 @@ impl LogReader {
     fn next_good(&mut self, parser: &mut Parser, registry: &Registry) -> io::Result<(Step, usize)> {
         self.unread(parser);
         Ok(match self.next_record(registry)? {
-            AtOffset::Record { len, header, entry, .. } => {
+            FoundRecord::Record { len, header, entry, .. } => {
                 let len = len - STAMP_LEN;
                 let bytes = FrameBytes::from(self.last(len)?);
                 (Step::Frame { bytes, header, entry }, len)
             }
-            AtOffset::Junk { len } => {
+            FoundRecord::Junk { len } => {
                 let bytes = FrameBytes::from(self.last(len)?);
                 (Step::Bad { bytes, error: None }, len)
             }
-            AtOffset::End => (Step::Nothing, 0),
+            FoundRecord::Incomplete { .. } => (Step::Nothing, 0),
         })
     }
 
     /// Goes over the good record at the position, or over bytes that belong to none.
     #[inline]
-    pub fn next_record(&mut self, registry: &Registry) -> io::Result<AtOffset> {
+    pub fn next_record(&mut self, registry: &Registry) -> io::Result<FoundRecord> {
         let found = self.finder.look(&mut self.window, self.offset, registry)?;
         match found {
-            AtOffset::Record { len, entry, .. } if self.framing == Framing::Raw => {
+            FoundRecord::Record { len, entry, .. } if self.framing == Framing::Raw => {
                 let frame = self.window.at(self.offset, len)?;
                 self.offset += len as u64;
                 if let Some(entry) = entry {
@@ -337,13 +339,13 @@ impl LogReader {
                 }
                 self.end_record(false);
             }
-            AtOffset::Record { len, stamp, .. } => {
+            FoundRecord::Record { len, stamp, .. } => {
                 self.offset += len as u64;
                 let is_believed = self.stamp(stamp);
                 self.distrusted = (!is_believed).then_some((stamp.micros(), self.time));
                 self.end_record(false);
             }
-            AtOffset::Junk { len } => {
+            FoundRecord::Junk { len } => {
                 let stamp = Stamp::parse(self.window.at(self.offset, STAMP_LEN)?);
                 self.offset += len as u64;
                 self.after_damage = true;
@@ -352,7 +354,7 @@ impl LogReader {
                 }
                 self.end_record(true);
             }
-            AtOffset::End => {}
+            FoundRecord::Incomplete { .. } => {}
         }
         Ok(found)
     }

@@ -5,34 +5,11 @@
 
 use std::io;
 
-use mavwire_core::frame::{Header, MAX_FRAME_LEN};
-use mavwire_core::log::tlog::{FoundRecord, Framing, RecordScanner, STAMP_LEN, Stamp};
-use mavwire_core::registry::{Entry, Registry};
+use mavwire_core::frame::MAX_FRAME_LEN;
+use mavwire_core::log::tlog::{FoundRecord, Framing, RecordScanner, STAMP_LEN};
+use mavwire_core::registry::Registry;
 
 use crate::window::FileWindow;
-
-/// What stands at a place in a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AtOffset {
-    /// A record of `len` bytes; the first eight are its stamp, unless it is of a raw stream.
-    Record {
-        /// Bytes of the record.
-        len: usize,
-        /// Its time.
-        stamp: Stamp,
-        /// The header of its frame.
-        header: Header,
-        /// The message definition; `None` for an unknown id.
-        entry: Option<Entry>,
-    },
-    /// Bytes that belong to no record, at least one.
-    Junk {
-        /// How many.
-        len: usize,
-    },
-    /// The end of the file, perhaps with the start of a record.
-    End,
-}
 
 /// Finds records. It remembers where it stands, but may be asked to look anywhere.
 #[derive(Debug, Clone, Default)]
@@ -47,7 +24,8 @@ impl RecordFinder {
         Self { scanner: framing.scanner(), offset: 0 }
     }
 
-    /// Looks at `offset`. Where it is not `End`, the next look should be `len` bytes further.
+    /// Looks at `offset`. The next look should be `len` bytes further. `Incomplete` is the end of the file, perhaps with the
+    /// start of a record.
     ///
     /// # Errors
     /// What the operating system says.
@@ -57,7 +35,7 @@ impl RecordFinder {
         window: &mut FileWindow,
         offset: u64,
         registry: &Registry,
-    ) -> io::Result<AtOffset> {
+    ) -> io::Result<FoundRecord> {
         if self.offset != offset {
             self.scanner.restart();
             self.offset = offset;
@@ -66,23 +44,19 @@ impl RecordFinder {
         loop {
             let bytes = window.at(offset, wanted)?;
             match self.scanner.next(bytes, registry, false) {
-                FoundRecord::Record { len, stamp, header, entry } => {
-                    self.offset += len as u64;
-                    return Ok(AtOffset::Record { len, stamp, header, entry });
-                }
-                FoundRecord::Junk { len } => {
-                    self.offset += len as u64;
-                    return Ok(AtOffset::Junk { len });
-                }
                 FoundRecord::Incomplete { needed } if bytes.len() >= wanted => wanted = needed,
                 FoundRecord::Incomplete { .. } => return Ok(self.look_behind(bytes, registry)),
+                found @ (FoundRecord::Record { len, .. } | FoundRecord::Junk { len }) => {
+                    self.offset += len as u64;
+                    return Ok(found);
+                }
             }
         }
     }
 
     /// The file ends within what looks like a record, or in what may follow a signed one. Good records behind its start
     /// show that it is none.
-    fn look_behind(&mut self, bytes: &[u8], registry: &Registry) -> AtOffset {
+    fn look_behind(&mut self, bytes: &[u8], registry: &Registry) -> FoundRecord {
         let mut scanner = self.scanner.clone();
         let mut junk = 0;
         loop {
@@ -92,13 +66,13 @@ impl RecordFinder {
                 FoundRecord::Junk { len } => junk += len,
                 FoundRecord::Record { .. } if junk > 0 => {
                     (self.scanner, self.offset) = (there, self.offset + junk as u64);
-                    return AtOffset::Junk { len: junk };
+                    return FoundRecord::Junk { len: junk };
                 }
-                FoundRecord::Record { len, stamp, header, entry } => {
+                found @ FoundRecord::Record { len, .. } => {
                     (self.scanner, self.offset) = (scanner, self.offset + len as u64);
-                    return AtOffset::Record { len, stamp, header, entry };
+                    return found;
                 }
-                FoundRecord::Incomplete { .. } => return AtOffset::End,
+                end @ FoundRecord::Incomplete { .. } => return end,
             }
         }
     }
@@ -149,14 +123,14 @@ mod tests {
             let mut found = Vec::new();
             loop {
                 let len = match self.finder.look(&mut self.window, self.offset, &registry) {
-                    Ok(AtOffset::Record { len, stamp, header, .. }) => {
+                    Ok(FoundRecord::Record { len, stamp, header, .. }) => {
                         let expected = 1_600_000_000_000_000 + u64::from(header.seq);
                         assert_eq!(stamp.micros(), expected);
                         found.push(header.seq);
                         len
                     }
-                    Ok(AtOffset::Junk { len }) => len,
-                    Ok(AtOffset::End) => return found,
+                    Ok(FoundRecord::Junk { len }) => len,
+                    Ok(FoundRecord::Incomplete { .. }) => return found,
                     Err(error) => panic!("{error}"),
                 };
                 assert!(len > 0);

@@ -11,12 +11,12 @@ use mavwire_columns::input::framing_of;
 use mavwire_columns::scan::{Framing, UNKNOWN};
 use mavwire_columns::select::Wanted;
 use mavwire_core::frame::FrameBytes;
+use mavwire_core::log::tlog::FoundRecord;
 use mavwire_core::parser::{Parser, Step};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_io::files;
 use mavwire_io::log_reader::{LogReader, Peeked};
-use mavwire_io::records::AtOffset;
 use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
@@ -85,12 +85,12 @@ impl Source {
     fn look_closer<M>(&mut self, registry: &Registry) -> io::Result<Look<M>> {
         let (frame, entry) = match self.parser.resync() {
             Resync::Rescan => match self.reader.next_record(registry)? {
-                AtOffset::Record { len, entry, .. } => {
+                FoundRecord::Record { len, entry, .. } => {
                     let len = len - self.reader.lead();
                     (FrameBytes::from(self.reader.last(len)?), entry)
                 }
-                AtOffset::Junk { .. } => return Ok(Look::Nothing),
-                AtOffset::End => return Ok(Look::End),
+                FoundRecord::Junk { .. } => return Ok(Look::Nothing),
+                FoundRecord::Incomplete { .. } => return Ok(Look::End),
             },
             // The messages that pymavlink's reader gives.
             Resync::Skip => match self.reader.next(&mut self.parser, registry, true)?.0 {
