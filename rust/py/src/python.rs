@@ -7,6 +7,8 @@ pub(crate) mod instance_dict;
 #[macro_use]
 pub(crate) mod intern;
 pub(crate) mod lists;
+#[macro_use]
+pub(crate) mod new;
 pub(crate) mod number;
 pub(crate) mod own_methods;
 #[macro_use]

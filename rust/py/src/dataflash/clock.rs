@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use mavwire_core::log::dataflash::{self, TimeUnit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyInt, PyTuple};
+use pyo3::types::PyInt;
 
 /// Unix time of a GPS week and the milliseconds in it.
 #[pyfunction]
@@ -92,14 +92,14 @@ impl MicrosClock {
     }
 }
 
-#[pymethods]
-impl MicrosClock {
-    #[new]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+new! {
+    MicrosClock: |_cls| -> Self {
         Self { timebase: Seconds::int_zero(), timestamp: Seconds::int_zero() }
     }
+}
 
+#[pymethods]
+impl MicrosClock {
     /// Unix time of the log's start.
     #[getter]
     fn timebase<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {

@@ -10,7 +10,7 @@ use mavwire_core::log::dataflash::{ClockFinder, ClockUnit};
 use mavwire_io::dataflash_log::{BUDGET, Contents, DataflashLog, Step};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyDict, PyList, PyString};
 use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::MicrosClock;
@@ -155,22 +155,17 @@ impl DataflashReader {
     }
 }
 
+new! {
+    DataflashReader: |cls| -> PyResult<Self> {
+        let methods = OwnMethods::of_class(&QUICK_METHODS, cls)?;
+        Ok(Self { state: Lock::new(State::new(cls.py())), methods })
+    }
+}
+
 #[pymethods]
 impl DataflashReader {
     #[classattr]
     const _QUICK_METHODS: [&'static str; 5] = QUICK_METHODS;
-
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
-        let methods = OwnMethods::of_class(&QUICK_METHODS, cls)?;
-        Ok(Self { state: Lock::new(State::new(cls.py())), methods })
-    }
 
     fn __setattr__(
         slf: &Bound<'_, Self>,

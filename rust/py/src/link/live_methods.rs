@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyAttributeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyTuple};
 
 use crate::link::live_link::LiveLink;
 use crate::link::state::Link;
@@ -16,16 +16,8 @@ use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 use mavwire_io::live_source::{LiveSource, Transport};
 
-#[pymethods]
-impl LiveLink {
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<PyClassInitializer<Self>> {
+new! {
+    LiveLink: |cls| -> PyResult<PyClassInitializer<Self>> {
         let link = Self {
             source: Lock::new(LiveSource::default()),
             plain_port: Slot::new(),
@@ -34,7 +26,10 @@ impl LiveLink {
         let base = if cfg!(unix) { Link::of_class(cls)? } else { Link::new(OwnMethods::none()) };
         Ok(PyClassInitializer::from(base).add_subclass(link))
     }
+}
 
+#[pymethods]
+impl LiveLink {
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         self.writer.traverse(visit)?;
         self.plain_port.traverse(visit)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mavwire_core::log::tlog::{Framing, Stamp};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use pyo3::types::PyBytes;
 
 use crate::link::log_index_build;
 use crate::link::log_link::LogLink;
@@ -19,20 +19,15 @@ use mavwire_io::log_index::LogIndex;
 use mavwire_io::log_reader::{LogReader, seconds};
 use mavwire_io::progress::Progress;
 
-#[pymethods]
-impl LogLink {
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<PyClassInitializer<Self>> {
+new! {
+    LogLink: |cls| -> PyResult<PyClassInitializer<Self>> {
         let log = Self { index: Lock::new(None), wanted: Lock::new(None) };
         Ok(PyClassInitializer::from(Link::of_class(cls)?).add_subclass(log))
     }
+}
 
+#[pymethods]
+impl LogLink {
     /// How much of the log is read, 0 to 100.
     #[getter(percent)]
     fn get_percent(slf: &Bound<'_, Self>) -> f64 {

@@ -3,7 +3,7 @@
 use mavwire_core::sequence::SequenceTracker;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyInt, PyString, PyTuple};
+use pyo3::types::{PyDict, PyFloat, PyInt, PyString};
 
 use crate::link::receive::{self, Request};
 use crate::link::state::{Link, QUICK_METHODS};
@@ -15,16 +15,16 @@ use crate::python::calling::truth;
 use crate::python::instance_dict::generic_setattr;
 use crate::python::own_methods::OwnMethods;
 
+new! {
+    Link: |_cls| -> Self {
+        Self::new(OwnMethods::none())
+    }
+}
+
 #[pymethods]
 impl Link {
     #[classattr]
     const _QUICK_METHODS: [&'static str; QUICK_METHODS.len()] = QUICK_METHODS;
-
-    #[new]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new_py(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
-        Self::new(OwnMethods::none())
-    }
 
     fn __setattr__(
         slf: &Bound<'_, Self>,

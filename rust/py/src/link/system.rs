@@ -6,7 +6,7 @@ use mavwire_core::telemetry::{Kept, Newest, Repeats, Source};
 use pyo3::exceptions::PyTypeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyString};
 
 use crate::link::instances::add_message;
 use crate::message::info::Info;
@@ -83,14 +83,14 @@ fn keep_in(messages: &Bound<'_, PyDict>, message: &Bound<'_, Message>) -> PyResu
     }
 }
 
-#[pymethods]
-impl SystemState {
-    #[new]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+new! {
+    SystemState: |_cls| -> Self {
         Self { messages: Slot::new(), newest: Lock::new(Newest::default()) }
     }
+}
 
+#[pymethods]
+impl SystemState {
     fn __setattr__(
         slf: &Bound<'_, Self>,
         name: &Bound<'_, PyString>,

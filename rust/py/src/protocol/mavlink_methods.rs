@@ -8,7 +8,7 @@ use mavwire_core::scan::Resync;
 use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple};
 
 use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
@@ -30,16 +30,8 @@ fn warn_not_called(py: Python<'_>) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), text, 1)
 }
 
-#[pymethods]
-impl MAVLink {
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
+new! {
+    MAVLink: |cls| -> PyResult<Self> {
         let py = cls.py();
         let dialect = cls.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
         let native = py.get_type::<Self>();
@@ -72,7 +64,10 @@ impl MAVLink {
             overridden: AtomicU8::new(replaced),
         })
     }
+}
 
+#[pymethods]
+impl MAVLink {
     fn __setattr__(
         slf: &Bound<'_, Self>,
         name: &Bound<'_, PyString>,

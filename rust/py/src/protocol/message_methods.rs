@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 
 use mavwire_core::frame::Header;
 
@@ -15,20 +15,15 @@ use crate::protocol::pack;
 use crate::python::calling::truth;
 use crate::python::instance_dict::{generic_setattr, instance_dict};
 
-#[pymethods]
-impl Message {
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
+new! {
+    Message: |cls| -> PyResult<Self> {
         let info = cls.getattr(intern!(cls.py(), "_info"))?;
         Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
     }
+}
 
+#[pymethods]
+impl Message {
     fn __setattr__(
         slf: &Bound<'_, Self>,
         name: &Bound<'_, PyString>,
