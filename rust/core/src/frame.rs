@@ -143,8 +143,7 @@ impl Header {
     }
 
     /// Reads the header at the front of `bytes`; `None` where they are too few or do not start with STX.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // a header that a call returns in memory has to be waited for
+    #[inline(always)] // a header that a call returns in memory has to be waited for
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         match bytes.first() {
             Some(&STX_V2) => bytes.first_chunk().map(Self::parse_v2),

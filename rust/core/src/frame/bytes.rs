@@ -29,8 +29,7 @@ impl FrameBytes {
     }
 
     /// The first `len` bytes of a stream, if they fit and enough bytes follow: a copy of fixed size is quicker.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // so that the bytes are copied to where they stay
+    #[inline(always)] // so that the bytes are copied to where they stay
     pub fn inline(stream: &[u8], len: usize) -> Option<Self> {
         let bytes = *stream.first_chunk::<INLINE>()?;
         (len <= INLINE).then_some(Self::Inline { len: len as u8, bytes })

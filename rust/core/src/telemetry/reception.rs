@@ -39,8 +39,7 @@ impl Reception {
     /// Accounts for one message and returns its time, which is `now` on a live link.
     ///
     /// `sender` is `None` for bytes that are no known message. Messages of the radio are not counted either.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // once for each message of a log
+    #[inline(always)] // once for each message of a log
     pub fn account(&mut self, sender: Option<Sender>, uptime: Option<f64>, now: f64) -> f64 {
         if let Some(Sender { sysid, compid, seq }) = sender
             && (sysid, compid) != RADIO

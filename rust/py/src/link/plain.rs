@@ -23,8 +23,7 @@ pub(crate) struct PlainFrame<'a> {
 
 impl<'a> PlainFrame<'a> {
     /// The frame at the start of `stream`; `None` if it is cut off.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // once for each message of a log
+    #[inline(always)] // once for each message of a log
     pub(crate) fn parse(stream: &'a [u8], info: &'static Info) -> Option<Self> {
         let header = Header::parse(stream)?;
         let payload = header.len()..header.len() + usize::from(header.payload_len);
@@ -50,8 +49,7 @@ pub(crate) fn makes_plain_messages(py: Python<'_>, mav: &MAVLink) -> bool {
 
 impl<'py> Plain<'py> {
     /// Accounts for a frame. Returns `None`, with nothing changed, for one from an unknown system or from the radio.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // as above
+    #[inline(always)] // as above
     pub(crate) fn account(
         py: Python<'py>,
         (systems, reception): (&mut Systems, &mut Reception),
@@ -79,8 +77,7 @@ impl<'py> Plain<'py> {
     }
 
     /// Makes `message`, which nobody has seen, the newest of its type, and calls Python where necessary.
-    #[inline(always)]
-    #[allow(clippy::inline_always)] // as above
+    #[inline(always)] // as above
     pub(crate) fn deliver(
         self,
         link: &Bound<'py, Link>,

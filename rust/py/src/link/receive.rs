@@ -28,8 +28,7 @@ pub(crate) struct Request<'a, 'py> {
 }
 
 /// `link.recv_msg()`
-#[inline(always)]
-#[allow(clippy::inline_always)] // once for each message of a log
+#[inline(always)] // once for each message of a log
 pub(crate) fn recv_msg<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
         if let Some(message) = log_receive::next_plain(link)? {
@@ -48,8 +47,7 @@ pub(crate) fn recv_msg<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'p
 }
 
 /// The same by the program's own `recv_msg`, if it has one.
-#[inline(always)]
-#[allow(clippy::inline_always)] // as above
+#[inline(always)] // as above
 pub(crate) fn next_message<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
         recv_msg(link)

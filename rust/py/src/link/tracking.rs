@@ -60,8 +60,7 @@ fn account(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()>
 }
 
 /// Keeps a message as the newest of its type.
-#[inline(always)]
-#[allow(clippy::inline_always)] // once for each message of a log
+#[inline(always)] // once for each message of a log
 pub(crate) fn keep_newest(
     link: &Bound<'_, Link>,
     system: &Bound<'_, SystemState>,

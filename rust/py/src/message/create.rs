@@ -106,8 +106,7 @@ pub(crate) fn around(info: &'static Info, frame: &[u8]) -> Message {
 }
 
 /// Makes an object of the pool a message.
-#[inline(always)]
-#[allow(clippy::inline_always)] // as above
+#[inline(always)] // as above
 fn revive<'py>(
     class: &Bound<'py, PyType>,
     instance: *mut Instance,
