@@ -93,7 +93,22 @@ impl DFMessage {
         value::from_text(py, field.kind, bytes)
     }
 
-    /// `_elements`: the stored values, which are the message's from now on.
+    /// Attributes that are no columns, if there are any.
+    pub(super) fn attributes_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
+        Some(self.written.lock(py).attributes.as_ref()?.bind(py).clone())
+    }
+
+    /// Index of the column that setting an attribute changes: one whose name begins with a capital letter.
+    pub(super) fn settable(&self, name: &Bound<'_, PyString>) -> PyResult<Option<usize>> {
+        let capital = name.to_str()?.chars().next().is_some_and(char::is_uppercase);
+        if capital { self.names.field(name) } else { Ok(None) }
+    }
+}
+
+#[pymethods]
+impl DFMessage {
+    /// The stored values, which are the message's from now on.
+    #[getter(_elements)]
     pub(super) fn elements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         if let Some(elements) = self.elements_set(py) {
             return Ok(elements);
@@ -113,11 +128,8 @@ impl DFMessage {
         Ok(list)
     }
 
-    /// Attributes that are no columns, if there are any.
-    pub(super) fn attributes_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
-        Some(self.written.lock(py).attributes.as_ref()?.bind(py).clone())
-    }
-
+    /// Attributes that were set and are no columns.
+    #[getter(__dict__)]
     pub(super) fn attributes<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
         if let Some(attributes) = self.attributes_set(py) {
             return attributes;
@@ -125,11 +137,5 @@ impl DFMessage {
         let attributes = PyDict::new(py);
         self.written.lock(py).attributes = Some(attributes.clone().unbind());
         attributes
-    }
-
-    /// Index of the column that setting an attribute changes: one whose name begins with a capital letter.
-    pub(super) fn settable(&self, name: &Bound<'_, PyString>) -> PyResult<Option<usize>> {
-        let capital = name.to_str()?.chars().next().is_some_and(char::is_uppercase);
-        if capital { self.names.field(name) } else { Ok(None) }
     }
 }

@@ -9,7 +9,7 @@ use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::Seconds;
 use super::message::{DFMessage, Written};
-use super::{render, shape};
+use super::shape;
 use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_getattr;
 use crate::python::lists::collected;
@@ -101,17 +101,6 @@ impl DFMessage {
         self.timestamp.object(py).ok_or_else(|| PyAttributeError::new_err("_timestamp"))
     }
 
-    /// Attributes that were set and are no columns.
-    #[getter]
-    fn __dict__<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
-        self.attributes(py)
-    }
-
-    #[getter]
-    fn _elements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        self.elements(py)
-    }
-
     #[getter]
     fn _fieldnames(&self) -> Vec<&str> {
         self.get_fieldnames()
@@ -176,10 +165,6 @@ impl DFMessage {
         let messages = parent.bind(py).getattr(intern!(py, "messages"))?;
         let name = format!("{}[{}]", this.names.layout.name, key.str()?);
         messages.get_item(name).map_err(|_| PyIndexError::new_err(()))
-    }
-
-    fn __str__(&self, py: Python<'_>) -> PyResult<String> {
-        render::text(self, py)
     }
 
     fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {

@@ -153,7 +153,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         let mut seen: u64 = 0;
         loop {
             if let Some(types) = &self.options.types {
-                LogLink::advance(self.log, types)?;
+                LogLink::skip_to_type(self.log, types)?;
             }
             let Some(found) = self.next()? else { return Ok(()) };
             self.take(&found)?;

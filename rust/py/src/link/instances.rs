@@ -7,7 +7,6 @@ use mavwire_core::telemetry::Source;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::message::dict;
 use crate::message::info::Info;
 use crate::message::object::{Message, Origin, flags};
 use crate::message::values;
@@ -26,12 +25,12 @@ pub(crate) fn add_message(
     let known = messages.get_item(kind)?.map(|previous| instances_of(&previous)).transpose()?;
     let instances = known.flatten().unwrap_or_else(|| PyDict::new(py));
     instances.set_item(&instance, message)?;
-    let newest = dict::copy(message)?;
+    let newest = Message::copy(message)?;
     generic_setattr(&newest, intern!(py, "_instances"), Some(&instances))?;
     Message::written(&newest, flags::DICT);
     messages.set_item(kind, newest)?;
     let key = format!("{}[{}]", kind.to_str()?, instance.str()?.to_str()?);
-    messages.set_item(key, dict::copy(message)?)
+    messages.set_item(key, Message::copy(message)?)
 }
 
 /// Where a received message belongs among those of its type; `None` if only Python can tell.

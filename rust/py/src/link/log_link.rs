@@ -22,22 +22,6 @@ impl LogLink {
         slf.get().index.lock(slf.py()).is_some()
     }
 
-    /// Seeks to the next record of the wanted types; behind the last one reading goes on record by record.
-    pub(crate) fn advance(slf: &Bound<'_, Self>, types: &Bound<'_, PyAny>) -> PyResult<()> {
-        let py = slf.py();
-        let this = slf.get();
-        if this.wanted.lock(py).is_none() {
-            let names = log_wanted::names(types)?;
-            let wanted = Wanted::new(&names, this.index.lock(py).as_ref())?;
-            *this.wanted.lock(py) = Some(wanted);
-        }
-        let mut wanted = this.wanted.lock(py);
-        match wanted.as_mut().and_then(Wanted::advance) {
-            Some(rest) => Self::visit(slf, rest),
-            None => Ok(()),
-        }
-    }
-
     /// Goes on at the first of the records that begin at `offsets`, not at the place of reading.
     pub(crate) fn visit(slf: &Bound<'_, Self>, offsets: &[u64]) -> PyResult<()> {
         let mut state = slf.as_super().get().state();
@@ -51,9 +35,33 @@ impl LogLink {
         native.drop_unread(&mut parser);
         Ok(())
     }
+}
 
+#[pymethods]
+impl LogLink {
+    /// Continues at the record that begins at `offset`, not at the place of reading.
+    #[pyo3(name = "_seek")]
     pub(crate) fn seek_to(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
         slf.as_super().get().mav(slf.py())?;
         Self::visit(slf, &[offset])
+    }
+
+    /// Seeks to the next record of the types in `type`, heartbeats or parameters.
+    ///
+    /// The types of the first call stay in force until `rewind`. Behind the last such record reading goes on record by
+    /// record.
+    pub(crate) fn skip_to_type(slf: &Bound<'_, Self>, r#type: &Bound<'_, PyAny>) -> PyResult<()> {
+        let py = slf.py();
+        let this = slf.get();
+        if this.wanted.lock(py).is_none() {
+            let names = log_wanted::names(r#type)?;
+            let wanted = Wanted::new(&names, this.index.lock(py).as_ref())?;
+            *this.wanted.lock(py) = Some(wanted);
+        }
+        let mut wanted = this.wanted.lock(py);
+        match wanted.as_mut().and_then(Wanted::advance) {
+            Some(rest) => Self::visit(slf, rest),
+            None => Ok(()),
+        }
     }
 }

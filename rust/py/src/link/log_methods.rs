@@ -58,11 +58,6 @@ impl LogLink {
         Ok(slf.as_super().get().with_reader(|reader| Ok(reader.offset))?.unwrap_or(0))
     }
 
-    /// Continues at the record that begins at `offset`, not at the place of reading.
-    fn _seek(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
-        Self::seek_to(slf, offset)
-    }
-
     /// Reads from the start again, of any types.
     fn _restart(slf: &Bound<'_, Self>) -> PyResult<()> {
         *slf.get().wanted.lock(slf.py()) = None;
@@ -159,14 +154,6 @@ impl LogLink {
                 Ok(())
             })
             .map(drop)
-    }
-
-    /// Seeks to the next record of the types in `type`, heartbeats or parameters.
-    ///
-    /// The types of the first call stay in force until `rewind`. Behind the last such record reading goes on record by
-    /// record.
-    fn skip_to_type(slf: &Bound<'_, Self>, r#type: &Bound<'_, PyAny>) -> PyResult<()> {
-        Self::advance(slf, r#type)
     }
 
     /// Indexes the log; `progress_callback` gets each new whole percent. The first record of each type is read for real.

@@ -5,7 +5,6 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyInt, PyString};
 
-use crate::link::receive::{self, Request};
 use crate::link::state::{Link, QUICK_METHODS};
 use crate::link::system::forget_states;
 use crate::link::tracking;
@@ -138,28 +137,6 @@ impl Link {
     fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
         slf.get().state().hear_raw(msg.get());
         tracking::post(slf, msg)
-    }
-
-    /// The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived, and at the end of a log.
-    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        receive::recv_msg(slf)
-    }
-
-    /// The next message of a `type` (name, list or set) for which `condition` holds.
-    ///
-    /// Messages that do not match are consumed, but have updated the state. Returns None when nothing is there, or when
-    /// blocking, after `timeout` seconds. An indexed log is read only where messages of the wanted types, heartbeats and
-    /// parameters are.
-    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
-    fn recv_match<'py>(
-        slf: &Bound<'py, Self>,
-        condition: Option<&Bound<'py, PyAny>>,
-        r#type: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = truth)] blocking: bool,
-        timeout: Option<f64>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let request = Request { condition, is_blocking: blocking, timeout };
-        receive::recv_match(slf, r#type, &request)
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {

@@ -13,44 +13,89 @@ use crate::link::live_receive;
 use crate::link::log_link::LogLink;
 use crate::link::log_receive;
 use crate::link::state::Link;
-use crate::python::calling::Calling;
+use crate::python::calling::{Calling, truth};
 use crate::sync::gil_yield::GilYield;
 
 /// Messages that do not match between two looks whether other threads want the interpreter.
 const TURN_INTERVAL: u64 = 256;
 
-/// What a program asks `recv_match` for, `type` apart.
-pub(crate) struct Request<'a, 'py> {
-    pub(crate) condition: Option<&'a Bound<'py, PyAny>>,
-    pub(crate) is_blocking: bool,
-    /// Seconds.
-    pub(crate) timeout: Option<f64>,
-}
+#[pymethods]
+impl Link {
+    /// The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived, and at the end of a log.
+    #[inline(always)] // once for each message of a log
+    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if slf.get().is_quick() {
+            if let Some(message) = log_receive::next_plain(slf)? {
+                return Ok(Some(message.into_any()));
+            }
+            if slf.get().state().reads_log() {
+                return Ok(log_receive::next_parsed(slf)?.map(Bound::into_any));
+            }
+            if let Ok(live) = slf.cast::<LiveLink>()
+                && let Some(message) = live_receive::next_message(live)?
+            {
+                return Ok(message.map(Bound::into_any));
+            }
+        }
+        Ok(some(slf.invoke_method0(intern!(slf.py(), "_recv_by_methods"))?))
+    }
 
-/// `link.recv_msg()`
-#[inline(always)] // once for each message of a log
-pub(crate) fn recv_msg<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
-    if link.get().is_quick() {
-        if let Some(message) = log_receive::next_plain(link)? {
-            return Ok(Some(message.into_any()));
+    /// The next message of a `type` (name, list or set) for which `condition` holds.
+    ///
+    /// Messages that do not match are consumed, but have updated the state. Returns None when nothing is there, or when
+    /// blocking, after `timeout` seconds. An indexed log is read only where messages of the wanted types, heartbeats and
+    /// parameters are.
+    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
+    fn recv_match<'py>(
+        slf: &Bound<'py, Self>,
+        condition: Option<&Bound<'py, PyAny>>,
+        r#type: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = truth)] blocking: bool,
+        timeout: Option<f64>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if r#type.is_none() && condition.is_none() && !blocking && slf.get().is_quick() {
+            return Self::recv_msg(slf);
         }
-        if link.get().state().reads_log() {
-            return Ok(log_receive::next_parsed(link)?.map(Bound::into_any));
+        let log = r#type.and_then(|_| slf.cast::<LogLink>().ok());
+        let indexed = log.filter(|log| LogLink::is_indexed(log)).zip(r#type);
+        let filter = Filter::new(r#type, indexed.is_some())?;
+        let deadline = deadline_after(timeout);
+        if blocking && live_receive::has_nothing_left(slf) {
+            wait(slf, timeout, deadline)?;
         }
-        if let Ok(live) = link.cast::<LiveLink>()
-            && let Some(message) = live_receive::next_message(live)?
-        {
-            return Ok(message.map(Bound::into_any));
+        let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
+        loop {
+            if let Some((log, types)) = indexed {
+                skip_to_type(log, types)?;
+            }
+            let message = next_message(slf)?;
+            let is_idle = message.is_none();
+            if let Some(message) = message {
+                if filter.wants(&message)? && matches(slf, &message, condition)? {
+                    return Ok(Some(message));
+                }
+                seen += 1;
+                if seen.is_multiple_of(TURN_INTERVAL) {
+                    gil_yield.give_way(slf.py())?;
+                }
+            } else if !blocking {
+                return Ok(None);
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Ok(None);
+            }
+            if is_idle {
+                wait(slf, timeout, deadline)?;
+            }
         }
     }
-    Ok(some(link.invoke_method0(intern!(link.py(), "_recv_by_methods"))?))
 }
 
 /// The same by the program's own `recv_msg`, if it has one.
 #[inline(always)] // as above
 pub(crate) fn next_message<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
-        recv_msg(link)
+        Link::recv_msg(link)
     } else {
         Ok(some(link.invoke_method0(intern!(link.py(), "recv_msg"))?))
     }
@@ -58,50 +103,6 @@ pub(crate) fn next_message<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Boun
 
 fn some(message: Bound<'_, PyAny>) -> Option<Bound<'_, PyAny>> {
     (!message.is_none()).then_some(message)
-}
-
-/// `link.recv_match(condition, types, blocking, timeout)`
-pub(crate) fn recv_match<'py>(
-    link: &Bound<'py, Link>,
-    types: Option<&Bound<'py, PyAny>>,
-    request: &Request<'_, 'py>,
-) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let wants_any = types.is_none() && request.condition.is_none() && !request.is_blocking;
-    if wants_any && link.get().is_quick() {
-        return recv_msg(link);
-    }
-    let log = types.and_then(|_| link.cast::<LogLink>().ok());
-    let indexed = log.filter(|log| LogLink::is_indexed(log)).zip(types);
-    let filter = Filter::new(types, indexed.is_some())?;
-    let deadline = deadline_after(request.timeout);
-    if request.is_blocking && live_receive::has_nothing_left(link) {
-        wait(link, request.timeout, deadline)?;
-    }
-    let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
-    loop {
-        if let Some((log, types)) = indexed {
-            skip_to_type(log, types)?;
-        }
-        let message = next_message(link)?;
-        let is_idle = message.is_none();
-        if let Some(message) = message {
-            if filter.wants(&message)? && matches(link, &message, request.condition)? {
-                return Ok(Some(message));
-            }
-            seen += 1;
-            if seen.is_multiple_of(TURN_INTERVAL) {
-                gil_yield.give_way(link.py())?;
-            }
-        } else if !request.is_blocking {
-            return Ok(None);
-        }
-        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            return Ok(None);
-        }
-        if is_idle {
-            wait(link, request.timeout, deadline)?;
-        }
-    }
 }
 
 /// When a timeout in seconds ends; `None` for one that is beyond counting.
@@ -112,7 +113,7 @@ fn deadline_after(timeout: Option<f64>) -> Option<Instant> {
 
 fn skip_to_type(log: &Bound<'_, LogLink>, types: &Bound<'_, PyAny>) -> PyResult<()> {
     if log.as_super().get().is_quick() {
-        LogLink::advance(log, types)
+        LogLink::skip_to_type(log, types)
     } else {
         log.invoke_method1(intern!(log.py(), "skip_to_type"), (types,)).map(drop)
     }

@@ -79,39 +79,43 @@ fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> P
     Ok(())
 }
 
-/// A new message of the same class with the same frame and attributes.
-pub(crate) fn copy<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Message>> {
-    let this = message.get();
-    // One snapshot: making an object may run Python code, and other threads may write to the message meanwhile.
-    let (bits, duplicate) = (this.flags.load(Ordering::Relaxed), this.duplicate(message.py()));
-    let has_dict = bits & flags::DICT != 0;
-    let attributes = has_dict.then(|| instance_dict(message)?.copy()).transpose()?;
-    let copied = create(&message.get_type(), duplicate)?;
-    if let Some(attributes) = attributes {
-        instance_dict(&copied)?.update(attributes.as_mapping())?;
-        Message::written(&copied, bits);
+#[pymethods]
+impl Message {
+    /// A new message of the same class with the same frame and attributes.
+    #[pyo3(name = "__copy__")]
+    pub(crate) fn copy<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
+        let this = slf.get();
+        // One snapshot: making an object may run Python code, and other threads may write to the message meanwhile.
+        let (bits, duplicate) = (this.flags.load(Ordering::Relaxed), this.duplicate(slf.py()));
+        let has_dict = bits & flags::DICT != 0;
+        let attributes = has_dict.then(|| instance_dict(slf)?.copy()).transpose()?;
+        let copied = create(&slf.get_type(), duplicate)?;
+        if let Some(attributes) = attributes {
+            instance_dict(&copied)?.update(attributes.as_mapping())?;
+            Self::written(&copied, bits);
+        }
+        Ok(copied)
     }
-    Ok(copied)
-}
 
-/// `(restore, (class, frame, ...), attributes)` for pickle.
-pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyTuple>> {
-    let py = message.py();
-    let this = message.get();
-    let restore = py.import(intern!(py, "mavwire._native"))?.getattr(intern!(py, "restore"))?;
-    let decoded = this.origin == Origin::Decoded && !this.has(flags::PACKED);
-    let frame = decoded.then(|| PyBytes::new(py, &this.frame));
-    let timestamp = this.timestamp().filter(|_| decoded);
-    let link = this.link.load(Ordering::Relaxed);
-    let attributes = match decoded {
-        false => Some(message_dict(message)?),
-        true if this.has(flags::DICT) => Some(instance_dict(message)?),
-        true => None,
-    };
-    // A copy: other threads may write to the message while pickle reads it.
-    let state = attributes.map(|attributes| attributes.copy()).transpose()?;
-    let flags = this.flags.load(Ordering::Relaxed) & (flags::WIRE | flags::WRITTEN);
-    (restore, (message.get_type(), frame, flags, timestamp, link), state).into_pyobject(py)
+    /// `(restore, (class, frame, ...), attributes)` for pickle.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let this = slf.get();
+        let restore = py.import(intern!(py, "mavwire._native"))?.getattr(intern!(py, "restore"))?;
+        let decoded = this.origin == Origin::Decoded && !this.has(flags::PACKED);
+        let frame = decoded.then(|| PyBytes::new(py, &this.frame));
+        let timestamp = this.timestamp().filter(|_| decoded);
+        let link = this.link.load(Ordering::Relaxed);
+        let attributes = match decoded {
+            false => Some(message_dict(slf)?),
+            true if this.has(flags::DICT) => Some(instance_dict(slf)?),
+            true => None,
+        };
+        // A copy: other threads may write to the message while pickle reads it.
+        let state = attributes.map(|attributes| attributes.copy()).transpose()?;
+        let flags = this.flags.load(Ordering::Relaxed) & (flags::WIRE | flags::WRITTEN);
+        (restore, (slf.get_type(), frame, flags, timestamp, link), state).into_pyobject(py)
+    }
 }
 
 /// Rebuilds a pickled message; the attributes follow through `__setstate__`.

@@ -38,19 +38,6 @@ fn formatted<'py>(
     message.invoke_method1(intern!(message.py(), "format_attr"), (field,))
 }
 
-pub(crate) fn format_attr<'py>(
-    message: &Bound<'py, Message>,
-    field: &Bound<'py, PyString>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = message.py();
-    let value = message.getattr(field)?;
-    if !value.is_instance_of::<PyBytes>() {
-        return Ok(value);
-    }
-    let text = value.invoke_method1(intern!(py, "decode"), ("utf-8", "backslashreplace"))?;
-    text.invoke_method1(intern!(py, "rstrip"), ("\0",))
-}
-
 /// A field's value as texts show it: no secret key.
 fn shown<'py>(
     name: &Bound<'py, PyString>,
@@ -74,82 +61,101 @@ fn type_name<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> 
     message.getattr(intern!(message.py(), "_type"))
 }
 
-pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
-    let py = message.py();
-    let mut out = String::with_capacity(256);
-    if let Some(info) = pristine(message, &[intern!(py, "format_attr")])? {
-        format::write_text(&mut out, &info.definition, message.get().decoded_payload());
-        return Ok(PyString::new(py, &out).unbind());
-    }
-    out.push_str(&type_name(message)?.str()?.to_string_lossy());
-    out.push_str(" {");
-    for (i, name) in fieldnames(message)?.enumerate() {
-        let name = name?;
-        if i > 0 {
-            out.push_str(", ");
+#[pymethods]
+impl Message {
+    /// A field as text and JSON show it: bytes become text, everything else stays.
+    fn format_attr<'py>(
+        slf: &Bound<'py, Self>,
+        field: &Bound<'py, PyString>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let value = slf.getattr(field)?;
+        if !value.is_instance_of::<PyBytes>() {
+            return Ok(value);
         }
-        out.push_str(&name.to_string_lossy());
-        out.push_str(" : ");
-        let value = shown(&name, formatted(message, &name)?)?;
-        out.push_str(&value.str()?.to_string_lossy());
+        let text = value.invoke_method1(intern!(py, "decode"), ("utf-8", "backslashreplace"))?;
+        text.invoke_method1(intern!(py, "rstrip"), ("\0",))
     }
-    out.push('}');
-    Ok(PyString::new(py, &out).unbind())
-}
 
-pub(crate) fn to_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
-    let py = message.py();
-    let dict = PyDict::new(py);
-    let type_key = intern!(py, "mavpackettype");
-    if let Some(info) = pristine(message, &[intern!(py, "format_attr")])? {
-        let payload = message.get().decoded_payload();
-        dict.set_item(type_key, info.name.bind(py))?;
-        for (field, names) in info.definition.fields.iter().zip(&info.names) {
-            dict.set_item(names.name.bind(py), values::field_value(py, field, payload)?)?;
-        }
-        return Ok(dict);
-    }
-    dict.set_item(type_key, type_name(message)?)?;
-    for name in fieldnames(message)? {
-        let name = name?;
-        dict.set_item(&name, formatted(message, &name)?)?;
-    }
-    Ok(dict)
-}
-
-pub(crate) fn to_json<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> {
-    let py = message.py();
-    if let Some(info) = pristine(message, &[intern!(py, "to_dict"), intern!(py, "format_attr")])? {
+    fn __str__(slf: &Bound<'_, Self>) -> PyResult<Py<PyString>> {
+        let py = slf.py();
         let mut out = String::with_capacity(256);
-        format::write_json(&mut out, &info.definition, message.get().decoded_payload());
-        return Ok(PyString::new(py, &out).into_any());
+        if let Some(info) = pristine(slf, &[intern!(py, "format_attr")])? {
+            format::write_text(&mut out, &info.definition, slf.get().decoded_payload());
+            return Ok(PyString::new(py, &out).unbind());
+        }
+        out.push_str(&type_name(slf)?.str()?.to_string_lossy());
+        out.push_str(" {");
+        for (i, name) in fieldnames(slf)?.enumerate() {
+            let name = name?;
+            if i > 0 {
+                out.push_str(", ");
+            }
+            out.push_str(&name.to_string_lossy());
+            out.push_str(" : ");
+            let value = shown(&name, formatted(slf, &name)?)?;
+            out.push_str(&value.str()?.to_string_lossy());
+        }
+        out.push('}');
+        Ok(PyString::new(py, &out).unbind())
     }
-    let dict = message.invoke_method0(intern!(py, "to_dict"))?;
-    if let Ok(secret) = dict.get_item(format::SECRET_FIELD) {
-        let name = PyString::new(py, format::SECRET_FIELD);
-        dict.set_item(&name, shown(&name, secret)?)?;
-    }
-    py.import(intern!(py, "json"))?.invoke_method1(intern!(py, "dumps"), (dict,))
-}
 
-/// Same type, checksum, sequence number, source and field values. Messages of different dialect modules differ.
-pub(crate) fn equal(message: &Bound<'_, Message>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let py = message.py();
-    let Ok(other) = other.cast::<Message>() else { return Ok(false) };
-    let base = intern!(py, "_message_base");
-    if !message.getattr(base)?.is(&other.getattr(base)?) {
-        return Ok(false);
+    /// `{"mavpackettype": type, field: value, ...}` in XML order.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let dict = PyDict::new(py);
+        let type_key = intern!(py, "mavpackettype");
+        if let Some(info) = pristine(slf, &[intern!(py, "format_attr")])? {
+            let payload = slf.get().decoded_payload();
+            dict.set_item(type_key, info.name.bind(py))?;
+            for (field, names) in info.definition.fields.iter().zip(&info.names) {
+                dict.set_item(names.name.bind(py), values::field_value(py, field, payload)?)?;
+            }
+            return Ok(dict);
+        }
+        dict.set_item(type_key, type_name(slf)?)?;
+        for name in fieldnames(slf)? {
+            let name = name?;
+            dict.set_item(&name, formatted(slf, &name)?)?;
+        }
+        Ok(dict)
     }
-    for method in ["get_type", "get_crc", "get_seq", "get_srcSystem", "get_srcComponent"] {
-        if !message.invoke_method0(method)?.eq(&other.invoke_method0(method)?)? {
+
+    /// `json.dumps(to_dict())`.
+    fn to_json<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        if let Some(info) = pristine(slf, &[intern!(py, "to_dict"), intern!(py, "format_attr")])? {
+            let mut out = String::with_capacity(256);
+            format::write_json(&mut out, &info.definition, slf.get().decoded_payload());
+            return Ok(PyString::new(py, &out).into_any());
+        }
+        let dict = slf.invoke_method0(intern!(py, "to_dict"))?;
+        if let Ok(secret) = dict.get_item(format::SECRET_FIELD) {
+            let name = PyString::new(py, format::SECRET_FIELD);
+            dict.set_item(&name, shown(&name, secret)?)?;
+        }
+        py.import(intern!(py, "json"))?.invoke_method1(intern!(py, "dumps"), (dict,))
+    }
+
+    /// Same type, checksum, sequence number, source and field values. Messages of different dialect modules differ.
+    fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let py = slf.py();
+        let Ok(other) = other.cast::<Message>() else { return Ok(false) };
+        let base = intern!(py, "_message_base");
+        if !slf.getattr(base)?.is(&other.getattr(base)?) {
             return Ok(false);
         }
-    }
-    for name in fieldnames(message)? {
-        let name = name?;
-        if !format_attr(message, &name)?.eq(&format_attr(other, &name)?)? {
-            return Ok(false);
+        for method in ["get_type", "get_crc", "get_seq", "get_srcSystem", "get_srcComponent"] {
+            if !slf.invoke_method0(method)?.eq(&other.invoke_method0(method)?)? {
+                return Ok(false);
+            }
         }
+        for name in fieldnames(slf)? {
+            let name = name?;
+            if !Self::format_attr(slf, &name)?.eq(&Self::format_attr(other, &name)?)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
-    Ok(true)
 }

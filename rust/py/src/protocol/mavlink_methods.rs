@@ -8,19 +8,15 @@ use mavwire_core::scan::Resync;
 use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyString, PyTuple};
 
 use crate::dialect::registry::Dialect;
-use crate::message::object::Message;
 use crate::protocol::mavlink::{Callback, Counters, MAVLink, overridden};
-use crate::protocol::parse::{self, Session};
-use crate::protocol::peer_check;
-use crate::protocol::send;
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
 use crate::python::calling::truth;
 use crate::python::instance_dict::generic_setattr;
-use crate::python::lists::{bytes, bytes_like, list};
+use crate::python::lists::{bytes, bytes_like};
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
@@ -171,38 +167,11 @@ impl MAVLink {
         slf.get().send_callback.set_with(slf, callback, args, kwargs)
     }
 
-    /// Packs the message and writes it to `file`. Nothing advances if packing or writing fails.
-    #[pyo3(signature = (mavmsg, force_mavlink1 = false))]
-    fn send(
-        slf: &Bound<'_, Self>,
-        mavmsg: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<()> {
-        send::send(slf, mavmsg, force_mavlink1)
-    }
-
-    /// Sends messages in order. As many frames as fit into the `batch_bytes` of `file` leave in one call of its `write`.
-    ///
-    /// A message that cannot be packed is an error after those before it were sent.
-    #[pyo3(signature = (messages, force_mavlink1 = false))]
-    fn send_many(
-        slf: &Bound<'_, Self>,
-        #[pyo3(from_py_with = list)] messages: Vec<Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<()> {
-        send::send_many(slf, &messages, force_mavlink1)
-    }
-
     /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:
     /// threads may be sending with it.
     fn _share_sending(&self, other: &Bound<'_, Self>) {
         let first = other.get().predecessor.get().unwrap_or(other.as_unbound());
         let _ = self.predecessor.set(first.clone_ref(other.py()));
-    }
-
-    /// Whether bytes that are not received here hold a message that proves their sender: see `peer_check`.
-    fn _holds_trusted(slf: &Bound<'_, Self>, data: &[u8]) -> PyResult<bool> {
-        peer_check::holds_trusted(slf, data)
     }
 
     /// Bytes received and not parsed yet.
@@ -213,35 +182,6 @@ impl MAVLink {
     /// Bytes still missing of the frame being received; at least 1.
     fn bytes_needed(&self) -> usize {
         self.parser().bytes_needed()
-    }
-
-    /// Takes bytes and returns one message, or None. What is left over waits for the next call.
-    fn parse_char<'py>(
-        slf: &Bound<'py, Self>,
-        c: &Bound<'py, PyAny>,
-    ) -> PyResult<Option<Bound<'py, Message>>> {
-        if !parse::feed(slf, c)? {
-            return Ok(None);
-        }
-        let message = Session::new(slf).next();
-        slf.get().parser().tidy();
-        message
-    }
-
-    /// Takes bytes and returns all messages in them as a list, or None if there are none.
-    fn parse_buffer<'py>(
-        slf: &Bound<'py, Self>,
-        s: &Bound<'py, PyAny>,
-    ) -> PyResult<Option<Bound<'py, PyList>>> {
-        parse::parse_buffer(slf, s)
-    }
-
-    /// Decodes one complete frame, which must be a bytearray; `MAVError` says what is wrong with it.
-    fn decode<'py>(
-        slf: &Bound<'py, Self>,
-        msgbuf: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, Message>> {
-        parse::decode(slf, msgbuf)
     }
 
     /// True if the frame's signature is good and fresh; only then the stream's state moves. The source is the one in the

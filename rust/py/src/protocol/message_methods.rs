@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyString};
 
 use mavwire_core::frame::Header;
 
@@ -10,9 +10,6 @@ use crate::message::descriptors::no_attribute;
 use crate::message::dict;
 use crate::message::info::MessageInfo;
 use crate::message::object::{Message, flags, flags_for};
-use crate::message::text;
-use crate::protocol::pack;
-use crate::python::calling::truth;
 use crate::python::instance_dict::{generic_setattr, instance_dict};
 
 new! {
@@ -154,32 +151,6 @@ impl Message {
         slf.getattr(intern!(slf.py(), "_link_id"))
     }
 
-    /// A field as text and JSON show it: bytes become text, everything else stays.
-    fn format_attr<'py>(
-        slf: &Bound<'py, Self>,
-        field: &Bound<'py, PyString>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        text::format_attr(slf, field)
-    }
-
-    fn __str__(slf: &Bound<'_, Self>) -> PyResult<Py<PyString>> {
-        text::to_text(slf)
-    }
-
-    /// `{"mavpackettype": type, field: value, ...}` in XML order.
-    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
-        text::to_dict(slf)
-    }
-
-    /// `json.dumps(to_dict())`.
-    fn to_json<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        text::to_json(slf)
-    }
-
-    fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-        text::equal(slf, other)
-    }
-
     /// The message of one instance (battery, named value, ...), where mavutil keeps several.
     fn __getitem__<'py>(
         slf: &Bound<'py, Self>,
@@ -190,41 +161,6 @@ impl Message {
             return Err(PyIndexError::new_err(()));
         }
         instances.get_item(key)
-    }
-
-    /// The frame as bytes, with source and sequence number taken from `mav`, which is not advanced.
-    #[pyo3(signature = (mav, force_mavlink1 = false))]
-    fn pack<'py>(
-        slf: &Bound<'py, Self>,
-        mav: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyBytes>> {
-        pack::pack_message(slf, mav, force_mavlink1)
-    }
-
-    /// Frames a ready payload: `_pack(mav, crc_extra, payload, force_mavlink1=False) -> bytes`.
-    #[pyo3(name = "_pack", signature = (mav, crc_extra, payload, force_mavlink1 = false))]
-    fn pack_payload<'py>(
-        slf: &Bound<'py, Self>,
-        mav: &Bound<'py, PyAny>,
-        crc_extra: u8,
-        payload: &[u8],
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyBytes>> {
-        pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
-    }
-
-    /// Appends a signature to the packed frame and advances the signing timestamp.
-    fn sign_packet(slf: &Bound<'_, Self>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
-        pack::sign_packet(slf, mav)
-    }
-
-    fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
-        dict::copy(slf)
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        dict::reduce(slf)
     }
 }
 

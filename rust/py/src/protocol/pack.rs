@@ -15,7 +15,7 @@ use crate::message::object::{Message, flags};
 use crate::protocol::mavlink::MAVLink;
 use crate::protocol::sender::{Sender, byte};
 use crate::protocol::signing::Signing;
-use crate::python::calling::Calling;
+use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::instance_dict;
 use crate::python::lists;
 use crate::python::raw_function;
@@ -45,34 +45,49 @@ pub(crate) fn is_own(message: &Bound<'_, Message>) -> PyResult<bool> {
     Ok(!is_replaced && message.get_type().getattr(name)?.is(&own))
 }
 
-/// `message.pack(mav, force_mavlink1)`
-pub(crate) fn pack_message<'py>(
-    message: &Bound<'py, Message>,
-    mav: &Bound<'py, PyAny>,
-    force_mavlink1: bool,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let Some(info) = message.get().info else {
-        let text = "MAVLink_message cannot be serialized directly";
-        return Err(PyNotImplementedError::new_err(text));
-    };
-    let mut frame = FrameBuffer::default();
-    put_payload(message, info, frame.payload_mut())?;
-    let definition = &info.definition;
-    let len = |version| encode::payload_len(definition, version);
-    finish(message, mav, frame, (len, definition.crc_extra), force_mavlink1)
-}
+#[pymethods]
+impl Message {
+    /// The frame as bytes, with source and sequence number taken from `mav`, which is not advanced.
+    #[pyo3(signature = (mav, force_mavlink1 = false))]
+    pub(crate) fn pack<'py>(
+        slf: &Bound<'py, Self>,
+        mav: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let Some(info) = slf.get().info else {
+            let text = "MAVLink_message cannot be serialized directly";
+            return Err(PyNotImplementedError::new_err(text));
+        };
+        let mut frame = FrameBuffer::default();
+        put_payload(slf, info, frame.payload_mut())?;
+        let definition = &info.definition;
+        let len = |version| encode::payload_len(definition, version);
+        finish(slf, mav, frame, (len, definition.crc_extra), force_mavlink1)
+    }
 
-/// `message._pack(mav, crc_extra, payload, force_mavlink1)`
-pub(crate) fn pack_payload<'py>(
-    message: &Bound<'py, Message>,
-    mav: &Bound<'py, PyAny>,
-    crc_extra: u8,
-    payload: &[u8],
-    force_mavlink1: bool,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let mut frame = FrameBuffer::default();
-    put_bytes(frame.payload_mut(), payload);
-    finish(message, mav, frame, (|_| payload.len(), crc_extra), force_mavlink1)
+    /// Frames a ready payload: `_pack(mav, crc_extra, payload, force_mavlink1=False) -> bytes`.
+    #[pyo3(signature = (mav, crc_extra, payload, force_mavlink1 = false))]
+    fn _pack<'py>(
+        slf: &Bound<'py, Self>,
+        mav: &Bound<'py, PyAny>,
+        crc_extra: u8,
+        payload: &[u8],
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let mut frame = FrameBuffer::default();
+        put_bytes(frame.payload_mut(), payload);
+        finish(slf, mav, frame, (|_| payload.len(), crc_extra), force_mavlink1)
+    }
+
+    /// Appends a signature to the packed frame and advances the signing timestamp.
+    fn sign_packet(slf: &Bound<'_, Self>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
+        let py = slf.py();
+        let signing = mav.getattr(intern!(py, "signing"))?.cast_into::<Signing>()?;
+        let buffer = slf.getattr(intern!(py, "_msgbuf"))?;
+        let block = signing.get().sign(&lists::bytes(&buffer)?)?;
+        buffer.invoke_method1(intern!(py, "extend"), (PyBytes::new(py, &block),))?;
+        Ok(())
+    }
 }
 
 /// Makes the frame of the payload that is in it, whose length may depend on the version.
@@ -166,16 +181,6 @@ fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut [u8]) ->
         }
     }
     Some(())
-}
-
-/// `message.sign_packet(mav)`: appends a signature to the packed frame.
-pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
-    let py = message.py();
-    let signing = mav.getattr(intern!(py, "signing"))?.cast_into::<Signing>()?;
-    let buffer = message.getattr(intern!(py, "_msgbuf"))?;
-    let block = signing.get().sign(&lists::bytes(&buffer)?)?;
-    buffer.invoke_method1(intern!(py, "extend"), (PyBytes::new(py, &block),))?;
-    Ok(())
 }
 
 /// `build(message, *values)`: stores what a message is made from, in XML order, as its constructor got it.

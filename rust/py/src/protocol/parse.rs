@@ -24,7 +24,7 @@ use crate::sync::shared;
 use mavwire_core::frame::FrameBytes;
 
 /// Takes the input; true if a message may be complete now.
-pub(super) fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
+fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
     let converted;
     let bytes = if let Ok(bytes) = data.cast_exact::<PyBytes>() {
         bytes.as_bytes()
@@ -65,30 +65,65 @@ pub(crate) struct Session<'a, 'py> {
     robust: bool,
 }
 
-/// `mav.parse_buffer(s)`
-pub(crate) fn parse_buffer<'py>(
-    mav: &Bound<'py, MAVLink>,
-    s: &Bound<'py, PyAny>,
-) -> PyResult<Option<Bound<'py, PyList>>> {
-    let py = mav.py();
-    if mav.get().is_overridden(overridden::RECEIVE) {
-        let messages = PyList::empty(py);
-        let empty = PyBytes::new(py, b"");
-        let mut message = mav.invoke_method1(intern!(py, "parse_char"), (s,))?;
-        while !message.is_none() {
-            messages.append(&message)?;
-            message = mav.invoke_method1(intern!(py, "parse_char"), (&empty,))?;
+#[pymethods]
+impl MAVLink {
+    /// Takes bytes and returns one message, or None. What is left over waits for the next call.
+    fn parse_char<'py>(
+        slf: &Bound<'py, Self>,
+        c: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        if !feed(slf, c)? {
+            return Ok(None);
         }
-        return Ok((!messages.is_empty()).then_some(messages));
+        let message = Session::new(slf).next();
+        slf.get().parser().tidy();
+        message
     }
-    if !feed(mav, s)? {
-        return Ok(None);
+
+    /// Takes bytes and returns all messages in them as a list, or None if there are none.
+    fn parse_buffer<'py>(
+        slf: &Bound<'py, Self>,
+        s: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, PyList>>> {
+        let py = slf.py();
+        if slf.get().is_overridden(overridden::RECEIVE) {
+            let messages = PyList::empty(py);
+            let empty = PyBytes::new(py, b"");
+            let mut message = slf.invoke_method1(intern!(py, "parse_char"), (s,))?;
+            while !message.is_none() {
+                messages.append(&message)?;
+                message = slf.invoke_method1(intern!(py, "parse_char"), (&empty,))?;
+            }
+            return Ok((!messages.is_empty()).then_some(messages));
+        }
+        if !feed(slf, s)? {
+            return Ok(None);
+        }
+        let mut messages = Vec::new();
+        let outcome = Session::new(slf).take_all(&mut messages);
+        slf.get().parser().tidy();
+        outcome?;
+        if messages.is_empty() { Ok(None) } else { PyList::new(py, messages).map(Some) }
     }
-    let mut messages = Vec::new();
-    let outcome = Session::new(mav).take_all(&mut messages);
-    mav.get().parser().tidy();
-    outcome?;
-    if messages.is_empty() { Ok(None) } else { PyList::new(py, messages).map(Some) }
+
+    /// Decodes one complete frame, which must be a bytearray; `MAVError` says what is wrong with it.
+    fn decode<'py>(
+        slf: &Bound<'py, Self>,
+        msgbuf: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, Message>> {
+        let py = slf.py();
+        let Ok(buffer) = msgbuf.cast::<PyByteArray>() else {
+            return Err(no_attribute(msgbuf, "append"));
+        };
+        let bytes = buffer.to_vec();
+        let entry = check_frame(slf, &bytes)?;
+        let session = Session { robust: false, ..Session::new(slf) };
+        let message = session.accepted(FrameBytes::from(bytes.as_slice()), entry)?;
+        // The message shows the very object it was decoded from.
+        instance_dict(&message)?.set_item(intern!(py, "_msgbuf"), msgbuf)?;
+        Message::written(&message, flags::DICT | flags::META);
+        Ok(message)
+    }
 }
 
 impl<'a, 'py> Session<'a, 'py> {
@@ -108,7 +143,7 @@ impl<'a, 'py> Session<'a, 'py> {
 
     /// The next message in what was fed.
     #[inline]
-    pub(super) fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
+    fn next(&self) -> PyResult<Option<Bound<'py, Message>>> {
         let this = self.mav.get();
         let step = this.parser().step(&this.dialect.get().registry, self.robust);
         self.take_step(step)
@@ -252,26 +287,6 @@ fn mav_error(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyErr {
         Ok(error) => PyErr::from_value(error),
         Err(error) => error,
     }
-}
-
-/// `mav.decode(msgbuf)`
-pub(crate) fn decode<'py>(
-    mav: &Bound<'py, MAVLink>,
-    msgbuf: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, Message>> {
-    let py = mav.py();
-    let Ok(buffer) = msgbuf.cast::<PyByteArray>() else {
-        return Err(no_attribute(msgbuf, "append"));
-    };
-    let bytes = buffer.to_vec();
-    let entry = check_frame(mav, &bytes)?;
-    let session = Session { robust: false, ..Session::new(mav) };
-    let message = session.accepted(FrameBytes::from(bytes.as_slice()), entry)?;
-    // The message shows the very object it was decoded from.
-    let message_buffer = intern!(py, "_msgbuf");
-    instance_dict(&message)?.set_item(message_buffer, msgbuf)?;
-    Message::written(&message, flags::DICT | flags::META);
-    Ok(message)
 }
 
 /// The registry's entry for a complete frame, whose checksum is right then; `None` for an unknown id.

@@ -11,8 +11,8 @@ use crate::message::object::Message;
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::pack;
 use crate::protocol::sending::Sending;
-use crate::python::calling::Calling;
-use crate::python::lists;
+use crate::python::calling::{Calling, truth};
+use crate::python::lists::{bytes, list};
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 
@@ -49,43 +49,49 @@ struct Packed<'py> {
     last: i64,
 }
 
-/// `mav.send(message, force_mavlink1)`
-pub(super) fn send<'py>(
-    mav: &Bound<'py, MAVLink>,
-    message: &Bound<'py, PyAny>,
-    force_mavlink1: bool,
-) -> PyResult<()> {
-    in_turn(mav, |sending| {
-        let bytes = frame_of(message, mav, force_mavlink1)?;
-        Ok(Packed { len: bytes.len()?, bytes, count: 1, last: sending.seq() })
-    })?;
-    mav.get().send_callback.call(mav, message)
-}
+#[pymethods]
+impl MAVLink {
+    /// Packs the message and writes it to `file`. Nothing advances if packing or writing fails.
+    #[pyo3(signature = (mavmsg, force_mavlink1 = false))]
+    fn send(
+        slf: &Bound<'_, Self>,
+        mavmsg: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<()> {
+        in_turn(slf, |sending| {
+            let bytes = frame_of(mavmsg, slf, force_mavlink1)?;
+            Ok(Packed { len: bytes.len()?, bytes, count: 1, last: sending.seq() })
+        })?;
+        slf.get().send_callback.call(slf, mavmsg)
+    }
 
-/// `mav.send_many(messages, force_mavlink1)`
-pub(super) fn send_many<'py>(
-    mav: &Bound<'py, MAVLink>,
-    messages: &[Bound<'py, PyAny>],
-    force_mavlink1: bool,
-) -> PyResult<()> {
-    let py = mav.py();
-    if mav.get().is_overridden(overridden::SEND) {
-        let send = mav.getattr(intern!(py, "send"))?;
-        return messages
-            .iter()
-            .try_for_each(|message| send.invoke1((message, force_mavlink1)).map(drop));
+    /// Sends messages in order. As many frames as fit into the `batch_bytes` of `file` leave in one call of its `write`.
+    ///
+    /// A message that cannot be packed is an error after those before it were sent.
+    #[pyo3(signature = (messages, force_mavlink1 = false))]
+    fn send_many(
+        slf: &Bound<'_, Self>,
+        #[pyo3(from_py_with = list)] messages: Vec<Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<()> {
+        let (py, this) = (slf.py(), slf.get());
+        if this.is_overridden(overridden::SEND) {
+            let send = slf.getattr(intern!(py, "send"))?;
+            let mut messages = messages.iter();
+            return messages.try_for_each(|one| send.invoke1((one, force_mavlink1)).map(drop));
+        }
+        let (file, name) = (this.file.get(py), intern!(py, "batch_bytes"));
+        let room = file.map(|file| file.getattr_opt(name)).transpose()?.flatten();
+        let room = room.map_or(Ok(0), |room| room.extract::<usize>())?;
+        let mut rest = &messages[..];
+        while !rest.is_empty() {
+            let count = in_turn(slf, |sending| join(slf, rest, room, force_mavlink1, sending))?;
+            let (sent, left) = rest.split_at(count);
+            sent.iter().try_for_each(|message| this.send_callback.call(slf, message))?;
+            rest = left;
+        }
+        Ok(())
     }
-    let file = mav.get().file.get(py);
-    let room = file.map(|file| file.getattr_opt(intern!(py, "batch_bytes"))).transpose()?.flatten();
-    let room = room.map_or(Ok(0), |room| room.extract::<usize>())?;
-    let mut rest = messages;
-    while !rest.is_empty() {
-        let count = in_turn(mav, |sending| join(mav, rest, room, force_mavlink1, sending))?;
-        let (sent, left) = rest.split_at(count);
-        sent.iter().try_for_each(|message| mav.get().send_callback.call(mav, message))?;
-        rest = left;
-    }
-    Ok(())
 }
 
 /// The frames of the first messages: as many as fit into `room` bytes, and at least one.
@@ -105,7 +111,7 @@ fn join<'py>(
             sending.advance(last);
         }
         match frame_of(message, mav, force_mavlink1) {
-            Ok(frame) => joined.extend(lists::bytes(&frame)?),
+            Ok(frame) => joined.extend(bytes(&frame)?),
             // Raised again when it is the first one.
             Err(_) if count > 0 => break,
             Err(error) => return Err(error),
@@ -126,7 +132,7 @@ fn frame_of<'py>(
     if let Ok(message) = message.cast::<Message>()
         && pack::is_own(message)?
     {
-        return Ok(pack::pack_message(message, mav, force_mavlink1)?.into_any());
+        return Ok(Message::pack(message, mav, force_mavlink1)?.into_any());
     }
     let kwargs = PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
