@@ -65,9 +65,6 @@ class LogLink(Link):
     def _index_counts(self) -> list[tuple[int, str, int]]:
         """`[(message id, name, count), ...]` in the order in which the types first appear."""
 
-    def _index_total(self) -> int:
-        """Records in the index."""
-
     def _index_offsets(self) -> list[tuple[int, list[int]]]:
         """`[(message id, offsets of its records), ...]` in the order in which the types first appear."""
 

@@ -76,7 +76,7 @@ class mavmmaplog(mavlogfile):
         self.counts = {msgid: count for msgid, _, count in rows}
         self.name_to_id = {name: msgid for msgid, name, _ in rows}
         self.id_to_name = {msgid: name for msgid, name, _ in rows}
-        self._count = self._index_total()
+        self._count = sum(count for _, _, count in rows)
         self._rewind()
 
     @property

@@ -202,7 +202,6 @@ pub struct LogIndex {
     seen_bytes: Vec<Option<Box<[bool; 256]>>>,
     /// Message indices in the order in which they first appear.
     order: Vec<u16>,
-    count: usize,
 }
 
 impl LogIndex {
@@ -216,14 +215,8 @@ impl LogIndex {
             seen: HashSet::new(),
             seen_bytes: vec![None; messages.len()],
             order: Vec::new(),
-            count: 0,
             registry,
         }
-    }
-
-    /// Records in the index.
-    pub fn count(&self) -> usize {
-        self.count
     }
 
     /// `(message id, name, records)` of each type, in the order in which they first appear.
@@ -314,7 +307,6 @@ impl LogIndex {
             self.order.push(index);
         }
         kind.count += 1;
-        self.count += 1;
         Ok(())
     }
 
@@ -356,7 +348,7 @@ impl LogIndex {
         if self.steps.try_reserve(bytes.len() / SHORTEST + 1).is_err() {
             return 0;
         }
-        let (mut at, before) = (0, self.steps.len());
+        let mut at = 0;
         while let Some(look) = bytes.get(at..).and_then(<[u8]>::first_chunk::<LOOK>) {
             let frame: &[u8; HEADER_LEN_V2] = look.last_chunk().expect("LOOK is longer");
             let (msgid, header_len) = match frame[0] {
@@ -392,7 +384,6 @@ impl LogIndex {
             }
             at += len;
         }
-        self.count += self.steps.len() - before;
         at
     }
 

@@ -182,11 +182,6 @@ impl LogLink {
         self.wanted.lock(py).as_ref().and_then(Wanted::visited_offset).unwrap_or(0)
     }
 
-    /// Records in the index.
-    fn _index_total(&self, py: Python<'_>) -> usize {
-        self.index.lock(py).as_ref().map_or(0, LogIndex::count)
-    }
-
     /// `[(message id, offsets of its records), ...]` in the order in which the types first appear.
     fn _index_offsets(&self, py: Python<'_>) -> Result<Vec<(u32, Vec<u64>)>> {
         let offsets = self.index.lock(py).as_ref().map(LogIndex::by_type).transpose();
