@@ -17,7 +17,7 @@ pub struct Definitions {
     /// `<include>` texts, in order, as written.
     pub includes: Vec<String>,
     /// Enums in file order.
-    pub enums: Vec<EnumDef>,
+    pub enums: Vec<Enum>,
     /// Messages in file order.
     pub messages: Vec<MessageDef>,
 }
@@ -45,9 +45,9 @@ pub struct Status {
     pub superseded: Option<Box<Deprecation>>,
 }
 
-/// An `<enum>` as written; entries of equally named enums are merged when a dialect is resolved.
+/// An `<enum>`, as written or with the entries of all enums of its name, which are merged when a dialect is resolved.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnumDef {
+pub struct Enum {
     /// `name`.
     pub name: String,
     /// Line in the file, from 1.
@@ -58,13 +58,13 @@ pub struct EnumDef {
     pub bitmask: bool,
     /// Free text; empty for the built-in facts-only definitions.
     pub description: String,
-    /// Entries in file order.
-    pub entries: Vec<EnumEntryDef>,
+    /// Entries in file order, in a dialect in ascending order of value.
+    pub entries: Vec<EnumEntry>,
 }
 
 /// An `<entry>` of an enum.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnumEntryDef {
+pub struct EnumEntry {
     /// `name`.
     pub name: String,
     /// Line in the file, from 1.
@@ -81,7 +81,7 @@ pub struct EnumEntryDef {
     pub is_destination: bool,
     /// Free text; empty for the built-in definitions.
     pub description: String,
-    /// `<param>` elements of a command.
+    /// `<param>` elements of a command (may be fewer than 7).
     pub params: Vec<CommandParam>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::definitions::CommandParam;
+use crate::definitions::{Enum, EnumEntry};
 use crate::field_type::FieldType;
 
 /// Wire protocol a dialect is laid out for. Version 1 drops ids above 255 and extension fields.
@@ -30,19 +30,6 @@ pub struct Dialect {
     pub enums: Vec<Enum>,
 }
 
-/// An enum of a resolved dialect.
-#[derive(Debug, Clone, Default)]
-pub struct Enum {
-    /// `name`.
-    pub name: String,
-    /// Values are bit masks.
-    pub bitmask: bool,
-    /// Free text; empty for the built-in definitions.
-    pub description: String,
-    /// Entries in ascending order of value.
-    pub entries: Vec<EnumEntry>,
-}
-
 impl Enum {
     /// Adds the entries whose name and value are free.
     pub fn add(&mut self, entries: &[EnumEntry]) {
@@ -52,21 +39,6 @@ impl Enum {
         self.entries.extend(entries.iter().filter(is_free).cloned());
         self.entries.sort_by_key(|entry| entry.value);
     }
-}
-
-/// An entry of a resolved enum.
-#[derive(Debug, Clone, Default)]
-pub struct EnumEntry {
-    /// `name`.
-    pub name: String,
-    /// Value, from -2^63 to 2^64 - 1.
-    pub value: i128,
-    /// The command carries a location.
-    pub has_location: bool,
-    /// Free text; empty for the built-in definitions.
-    pub description: String,
-    /// Parameters of a command, as written (may be fewer than 7).
-    pub params: Vec<CommandParam>,
 }
 
 /// A message with its wire layout.

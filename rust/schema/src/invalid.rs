@@ -4,7 +4,8 @@
 //! marks all elements if the first is `x`. `[x,,y]` marks elements that equal the number at their position. (MAVLink guide,
 //! "MAVLink XML schema": `invalid`.)
 
-use crate::dialect::{Enum, Field};
+use crate::definitions::Enum;
+use crate::dialect::Field;
 use crate::field_type::FieldType;
 use crate::number::parse_value;
 
@@ -139,7 +140,7 @@ fn number(text: &str, field_type: FieldType) -> Option<Number> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialect::EnumEntry;
+    use crate::definitions::EnumEntry;
 
     fn marked(text: &str, field_type: FieldType, array_length: u8, field: &[u8]) -> Vec<bool> {
         let entry = EnumEntry { name: "UNDEFINED".into(), value: 3, ..EnumEntry::default() };

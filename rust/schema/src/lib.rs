@@ -31,9 +31,9 @@ mod union;
 
 pub use check::check_schema;
 pub use definitions::{
-    CommandParam, Definitions, Deprecation, EnumDef, EnumEntryDef, FieldDef, MessageDef, Status,
+    CommandParam, Definitions, Deprecation, Enum, EnumEntry, FieldDef, MessageDef, Status,
 };
-pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
+pub use dialect::{Dialect, Field, Message, WireVersion};
 pub use error::{Reason, SchemaError};
 pub use field_type::FieldType;
 pub use invalid::InvalidRule;

@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::rc::Rc;
 
-use crate::definitions::{EnumDef, EnumEntryDef};
-use crate::dialect::{Enum, EnumEntry};
+use crate::definitions::{Enum, EnumEntry};
 use crate::error::{Reason, SchemaError};
 use crate::includes::File;
 use crate::limits::MAX_ENUM_ENTRIES;
@@ -39,7 +38,7 @@ pub(crate) struct EnumMerger {
 }
 
 /// The definitions of one enum with the file of each.
-type Parts = Vec<(Rc<str>, EnumDef)>;
+type Parts = Vec<(Rc<str>, Enum)>;
 
 impl EnumMerger {
     /// Takes the enums out of `files` and merges them.
@@ -81,13 +80,9 @@ impl EnumMerger {
 
 fn merge_parts(mut parts: Parts) -> Result<Enum, SchemaError> {
     let (file, first) = &mut parts[0];
-    let mut merged = Enum {
-        name: std::mem::take(&mut first.name),
-        bitmask: first.bitmask,
-        description: std::mem::take(&mut first.description),
-        entries: Vec::new(),
-    };
-    let place = Place { file: Rc::clone(file), line: first.line };
+    let entries = std::mem::take(&mut first.entries);
+    let mut merged = std::mem::replace(first, Enum { entries, ..Enum::default() });
+    let place = Place { file: Rc::clone(file), line: merged.line };
     let within = |error: SchemaError| error.within(format!("enum {}", merged.name));
     let mut entries = number_entries(parts).map_err(within)?;
     if entries.is_empty() {
@@ -122,7 +117,7 @@ struct NumberedPart {
 }
 
 impl NumberedPart {
-    fn new(file: &Rc<str>, definition: EnumDef) -> Self {
+    fn new(file: &Rc<str>, definition: Enum) -> Self {
         let mut part = Self { entries: Vec::new(), automatic: Vec::new(), range: (i128::MAX, 0) };
         for entry in definition.entries {
             let place = Place { file: Rc::clone(file), line: entry.line };
@@ -130,7 +125,7 @@ impl NumberedPart {
                 part.automatic.push(part.entries.len());
             }
             part.range = (part.range.0.min(entry.value), part.range.1.max(entry.value));
-            part.entries.push((place, without_marks(entry)));
+            part.entries.push((place, entry));
         }
         part
     }
@@ -169,16 +164,6 @@ pub fn number_behind(automatic: &[i128], own: (i128, i128), included: (i128, i12
 fn in_range(place: &Place, value: i128) -> Result<i128, SchemaError> {
     let error = || place.error(Reason::NoValueLeft(value - 1));
     if value <= MAX_VALUE { Ok(value) } else { Err(error()) }
-}
-
-fn without_marks(entry: EnumEntryDef) -> EnumEntry {
-    EnumEntry {
-        name: entry.name,
-        value: entry.value,
-        has_location: entry.has_location,
-        description: entry.description,
-        params: entry.params,
-    }
 }
 
 /// Sorts by value and refuses a name or a value that two entries have.

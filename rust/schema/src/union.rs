@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use crate::definitions::{Definitions, EnumDef, MessageDef};
+use crate::definitions::{Definitions, Enum, MessageDef};
 use crate::layout::Layout;
 use crate::parse::dialect_name;
 use crate::resolve::free_name;
@@ -86,9 +86,9 @@ impl Union {
         }
     }
 
-    fn add_enum(&mut self, definition: EnumDef) {
+    fn add_enum(&mut self, definition: Enum) {
         let known = self.enums.entry(definition.name.clone()).or_insert_with(|| {
-            self.own.enums.push(EnumDef { entries: Vec::new(), ..definition.clone() });
+            self.own.enums.push(Enum { entries: Vec::new(), ..definition.clone() });
             let index = self.own.enums.len() - 1;
             KnownEnum { index, names: HashSet::new(), values: HashSet::new() }
         });

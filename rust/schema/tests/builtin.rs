@@ -81,7 +81,7 @@ fn seeds_of_well_known_messages() {
 #[test]
 fn the_shipped_definitions_carry_no_prose() {
     for file in shipped() {
-        let params = |entry: &mavwire_schema::EnumEntryDef| {
+        let params = |entry: &mavwire_schema::EnumEntry| {
             entry.params.iter().all(|param| param.description.is_empty())
         };
         assert!(file.enums.iter().all(|definition| {

@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::element::{Source, boolean, optional};
 use super::reserved;
-use crate::definitions::{CommandParam, EnumDef, EnumEntryDef};
+use crate::definitions::{CommandParam, Enum, EnumEntry};
 use crate::error::{Reason, SchemaError, excerpt};
 use crate::number::{MAX_VALUE, parse_decimal, parse_value};
 
@@ -14,7 +14,7 @@ const MAX_PARAMS: u32 = 7;
 pub(super) fn read_enums(
     source: &Source<'_>,
     enums: Node<'_, '_>,
-    into: &mut Vec<EnumDef>,
+    into: &mut Vec<Enum>,
 ) -> Result<(), SchemaError> {
     for child in enums.children().filter(Node::is_element) {
         if child.tag_name().name() != "enum" {
@@ -26,13 +26,13 @@ pub(super) fn read_enums(
     Ok(())
 }
 
-fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaError> {
+fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<Enum, SchemaError> {
     let name = source.identifier(node)?;
     let within = |error: SchemaError| error.within(format!("enum {name}"));
-    let mut definition = EnumDef {
+    let mut definition = Enum {
         line: source.line(node),
         bitmask: source.tolerate(node, boolean(node, "bitmask"), false).map_err(within)?,
-        ..EnumDef::default()
+        ..Enum::default()
     };
     let mut highest = 0;
     for child in node.children().filter(Node::is_element) {
@@ -56,10 +56,10 @@ fn read_entry(
     source: &Source<'_>,
     node: Node<'_, '_>,
     highest: i128,
-) -> Result<EnumEntryDef, SchemaError> {
+) -> Result<EnumEntry, SchemaError> {
     let name = source.variable(node, reserved::check_entry)?;
     let within = |error: SchemaError| error.within(format!("entry {name}"));
-    let mut entry = EnumEntryDef {
+    let mut entry = EnumEntry {
         line: source.line(node),
         value: read_value(source, node, highest).map_err(within)?,
         is_automatic: node.attribute("value").is_none(),
@@ -68,7 +68,7 @@ fn read_entry(
         is_destination: source
             .tolerate(node, boolean(node, "isDestination"), false)
             .map_err(within)?,
-        ..EnumEntryDef::default()
+        ..EnumEntry::default()
     };
     for child in node.children().filter(Node::is_element) {
         match child.tag_name().name() {
