@@ -106,6 +106,7 @@ mod _native {
         crate::link::replaced::prepare(module.py())?;
         crate::message::create::check_layout(module.py())?;
         crate::message::descriptors::add_meta_attributes(module.py())?;
+        crate::protocol::mavlink::add_callback_attributes(module.py())?;
         let types = FieldType::ALL.iter().map(|one| (one.name(), one.is_float()));
         module.add("FIELD_TYPES", types.into_py_dict(module.py())?)?;
         module.add("FieldGetter", crate::message::descriptors::field_getter_type(module.py())?)?;

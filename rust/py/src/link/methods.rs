@@ -62,8 +62,8 @@ impl Link {
 
     /// Functions called as `hook(link, message)` for every message.
     #[getter(message_hooks)]
-    fn get_message_hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.hooks(py)
+    pub(crate) fn hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.state().message_hooks.as_ref().map(|hooks| hooks.bind(py).clone())
     }
     #[setter(message_hooks)]
     fn set_message_hooks(&self, value: Py<PyAny>) {

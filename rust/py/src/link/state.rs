@@ -153,8 +153,4 @@ impl Link {
         let mav = self.state().native_mav.as_ref().map(|mav| mav.bind(py).clone());
         mav.ok_or_else(|| PyRuntimeError::new_err("the link has no MAVLink object"))
     }
-
-    pub(crate) fn hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.state().message_hooks.as_ref().map(|hooks| hooks.bind(py).clone())
-    }
 }

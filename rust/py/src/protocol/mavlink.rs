@@ -87,6 +87,12 @@ impl Callback {
     }
 }
 
+/// Gives the class the attributes of its callbacks, unset.
+pub(crate) fn add_callback_attributes(py: Python<'_>) -> PyResult<()> {
+    let names = ["callback_args", "callback_kwargs", "send_callback_args", "send_callback_kwargs"];
+    names.iter().try_for_each(|name| py.get_type::<MAVLink>().setattr(name, py.None()))
+}
+
 /// Counters of what was received, that users read and reset.
 #[derive(Default)]
 pub(crate) struct Counters {
@@ -171,10 +177,6 @@ impl MAVLink {
 
     pub(crate) fn is_overridden(&self, bits: u8) -> bool {
         self.overridden.load(Relaxed) & bits != 0
-    }
-
-    pub(crate) fn signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
-        self.signing.get(py)
     }
 
     /// Whether frames have to be shown to signing.

@@ -105,11 +105,11 @@ impl MAVLink {
     }
 
     /// Signing state.
-    #[getter(signing)]
-    fn get_signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
-        self.signing(py)
+    #[getter]
+    pub(crate) fn signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
+        self.signing.get(py)
     }
-    #[setter(signing)]
+    #[setter]
     fn set_signing(&self, value: Py<Signing>) {
         self.signing.set(Some(value));
     }
@@ -131,19 +131,6 @@ impl MAVLink {
     fn set_buf_index(&self, value: usize) {
         self.parser().skip(value);
     }
-
-    #[classattr]
-    #[pyo3(name = "callback_args")]
-    const CALLBACK_ARGS: Option<bool> = None;
-    #[classattr]
-    #[pyo3(name = "callback_kwargs")]
-    const CALLBACK_KWARGS: Option<bool> = None;
-    #[classattr]
-    #[pyo3(name = "send_callback_args")]
-    const SEND_CALLBACK_ARGS: Option<bool> = None;
-    #[classattr]
-    #[pyo3(name = "send_callback_kwargs")]
-    const SEND_CALLBACK_KWARGS: Option<bool> = None;
 
     /// `callback(message, *args, **kwargs)` is called for every message received.
     #[pyo3(signature = (callback, *args, **kwargs))]
