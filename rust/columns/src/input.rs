@@ -2,10 +2,10 @@
 
 use std::io::{self, Read};
 
+use flate2::read::MultiGzDecoder;
 use mavwire_core::log::kind::{self, Kind, Verdict};
 use mavwire_core::registry::Registry;
 
-use crate::gzip::Members;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
 
@@ -55,7 +55,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
     Ok(match kind::compression(&magic) {
-        Some(Kind::Gzip) => Box::new(Members::new(whole)),
+        Some(Kind::Gzip) => Box::new(MultiGzDecoder::new(whole)),
         Some(_) => Box::new(zstd::stream::read::Decoder::new(whole)?),
         _ => Box::new(whole),
     })

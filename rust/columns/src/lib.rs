@@ -20,7 +20,6 @@ pub mod error;
 pub mod fit;
 pub mod gather;
 pub mod gathered;
-mod gzip;
 pub mod input;
 pub mod instances;
 pub mod layout;

