@@ -19,7 +19,6 @@ pub mod log_index;
 pub mod log_reader;
 pub mod memory;
 pub mod peers;
-pub mod progress;
 pub mod readiness;
 pub mod records;
 pub mod text_log;

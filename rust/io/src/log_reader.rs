@@ -8,7 +8,6 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::progress::Progress;
 use crate::records::RecordFinder;
 use crate::window::FileWindow;
 use mavwire_core::frame::{FrameBytes, MAX_FRAME_LEN};
@@ -113,10 +112,10 @@ impl LogReader {
         self.after_damage = false;
     }
 
-    /// How far the file is read.
+    /// How far the file is read, 0 to 100.
     #[inline]
-    pub fn progress(&self) -> Progress {
-        Progress::at(self.offset, self.size)
+    pub fn percent(&self) -> f64 {
+        if self.size == 0 { 0.0 } else { 100.0 * self.offset as f64 / self.size as f64 }
     }
 
     /// Up to `wanted` bytes from the position on.

@@ -160,7 +160,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             seen += 1;
             if seen.is_multiple_of(PULSE) {
                 self.gil_yield.give_way(self.log.py())?;
-                let percent = self.log.as_super().get().state().progress.percent();
+                let percent = self.log.as_super().get().state().percent;
                 self.options.progress.invoke1((percent,))?;
             }
         }
@@ -173,7 +173,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
             return Ok(None);
         };
-        state.progress = reader.progress();
+        state.percent = reader.percent();
         let (mut parser, registry) = (mav.get().parser(), &self.types.registry);
         let checks = mav.get().checks_signatures(self.log.py());
         let has_own_rules = parser.scanner.ignore_checksum || checks;

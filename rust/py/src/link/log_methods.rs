@@ -17,7 +17,6 @@ use crate::python::error::Result;
 use crate::sync::lock::Lock;
 use mavwire_io::log_index::LogIndex;
 use mavwire_io::log_reader::{LogReader, seconds};
-use mavwire_io::progress::Progress;
 
 new! {
     LogLink: |cls| -> PyResult<PyClassInitializer<Self>> {
@@ -31,11 +30,11 @@ impl LogLink {
     /// How much of the log is read, 0 to 100.
     #[getter(percent)]
     fn get_percent(slf: &Bound<'_, Self>) -> f64 {
-        slf.as_super().get().state().progress.percent()
+        slf.as_super().get().state().percent
     }
     #[setter(percent)]
     fn set_percent(slf: &Bound<'_, Self>, value: f64) {
-        slf.as_super().get().state().progress = Progress::new(value);
+        slf.as_super().get().state().percent = value;
     }
 
     /// Opens the file for reading; `stamped` says that its records have time stamps, `now` is the clock.
@@ -69,7 +68,7 @@ impl LogLink {
         let mut guard = slf.as_super().get().state();
         let state = &mut *guard;
         if let Some(reader) = state.reader.as_mut() {
-            state.progress = reader.progress();
+            state.percent = reader.percent();
             // Programs that parse by themselves need not call `post_message`.
             let is_used = |mav: &Py<MAVLink>| mav.get().parser().unread().is_empty();
             if reader.in_frame && state.native_mav.as_ref().is_some_and(is_used) {

@@ -24,7 +24,7 @@ use crate::sync::shared;
 pub(crate) fn next_parsed<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, Message>>> {
     let is_first = {
         let mut state = link.get().state();
-        state.progress = state.reader.as_ref().map_or(state.progress, |reader| reader.progress());
+        state.percent = state.reader.as_ref().map_or(state.percent, |reader| reader.percent());
         !state.knows_version
     };
     if is_first {
@@ -58,7 +58,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     if parser.scanner.ignore_checksum || !makes_plain_messages(py, native) {
         return Ok(None);
     }
-    let progress = reader.progress();
+    let percent = reader.percent();
     // Looked at where it is: moving it would have to wait for it.
     let peeked = reader.peek(&parser, &dialect.registry);
     let record = match peeked {
@@ -85,7 +85,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     drop(parser);
     shared::add(&native.counters.bytes_received, record.len as u64);
     state.last_fresh = Some((frame.header.sysid, record.index));
-    state.progress = progress;
+    state.percent = percent;
     let (len, time, link_number) = (record.len, record.time, record.link);
     reader.accept(len, time, link_number);
     drop(guard);

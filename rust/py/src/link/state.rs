@@ -15,7 +15,6 @@ use crate::python::error::Result;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::{Guard, Lock};
 use mavwire_io::log_reader::LogReader;
-use mavwire_io::progress::Progress;
 
 /// Methods of links that native code does not call, unless a program replaced one.
 pub(super) const QUICK_METHODS: [&str; 7] = [
@@ -52,8 +51,8 @@ pub(crate) struct LinkState {
     pub(crate) last_fresh: Option<(u8, u16)>,
     /// The log's last message, if that was another one.
     pub(crate) last: Option<Py<Message>>,
-    /// Where the log's last message began.
-    pub(crate) progress: Progress,
+    /// Where the log's last message began, in percent.
+    pub(crate) percent: f64,
 }
 
 impl LinkState {
