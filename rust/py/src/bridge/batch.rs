@@ -84,7 +84,7 @@ impl FrameBatch {
         for (info, bytes) in self.frames.iter() {
             let frame = FrameBytes::from(bytes);
             let time = info.time as f64 / 1e6;
-            let stamped = |message: Message| message.stamped(time, 0);
+            let stamped = |message: Message| message.stamped(time, Some(0));
             messages.append(self.dialect.get().message(py, info.index, frame, stamped)?)?;
         }
         Ok(messages)

@@ -113,7 +113,7 @@ impl BridgeCore {
         let Some(latest) = py.detach(|| hub.latest(msgid, sysid, compid)) else { return Ok(None) };
         let frame = FrameBytes::from(&latest.frame[..]);
         let time = latest.info.time as f64 / 1e6;
-        let stamped = |message: Message| message.stamped(time, 0);
+        let stamped = |message: Message| message.stamped(time, Some(0));
         Ok(Some(self.dialect.get().message(py, latest.info.index, frame, stamped)?))
     }
 

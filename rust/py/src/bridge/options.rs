@@ -14,7 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::python::error::Result;
-use crate::python::lists::{list, optional_bytes};
+use crate::python::lists::{bytes, list};
 
 /// A number of seconds that a program gave.
 pub(crate) fn seconds(name: &str, value: f64) -> PyResult<Duration> {
@@ -88,7 +88,8 @@ fn filter(lists: Vec<FilterList>) -> Filter {
 
 /// `mavwire.bridge.border.Border`.
 fn border(options: &Bound<'_, PyAny>) -> Result<BorderOptions> {
-    let key = optional_bytes(&options.getattr("key")?)?;
+    let key: Option<Bound<'_, PyAny>> = get(options, "key")?;
+    let key = key.map(|key| bytes(&key)).transpose()?;
     let key = key.map(|key| SecretKey::new(&key)).transpose()?.map(Arc::new);
     let version: Option<u8> = get(options, "version")?;
     Ok(BorderOptions {

@@ -191,7 +191,8 @@ fn deliver<'py>(
     if let Some(from) = news {
         LiveLink::announce(slf, from, true, class.info.is_targeted(payload_of(&bytes)))?;
     }
-    let message = Message::received(Some(class.info), bytes, Origin::Decoded).seen_at(plain.time);
+    let message = Message::received(Some(class.info), bytes, Origin::Decoded);
+    let message = message.stamped(plain.time, None).posted();
     let message = create::pooled(class.class.bind(slf.py()), message)?;
     if is_recorded {
         slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;

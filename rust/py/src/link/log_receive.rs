@@ -74,7 +74,7 @@ pub(crate) fn next_plain<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<
     let Some(plain) = plain else { return Ok(None) };
 
     let (info, class) = (class.info, class.class.bind(py));
-    let posted = |message: Message| message.posted(plain.time, record.link);
+    let posted = |message: Message| message.stamped(plain.time, Some(record.link)).posted();
     let made = create::reused_frame(class, info, record.stream, record.len, posted);
     // Making a new object may run Python code, so that has to wait.
     let waiting = made

@@ -151,27 +151,19 @@ impl Message {
         self.extra.get(py)?.cast_into().ok()
     }
 
-    /// A message out of a log, stamped before anybody sees it.
+    /// A message with the time when it came, and the number of its link if it is out of a log, before anybody sees it.
     #[inline]
-    pub(crate) fn stamped(mut self, seconds: f64, link: u8) -> Self {
+    pub(crate) fn stamped(mut self, seconds: f64, link: Option<u8>) -> Self {
         *self.timestamp.get_mut() = seconds.to_bits();
-        *self.link.get_mut() = link;
-        *self.flags.get_mut() |= flags::TIMESTAMP | flags::LINK;
+        *self.link.get_mut() = link.unwrap_or_default();
+        *self.flags.get_mut() |= flags::TIMESTAMP | if link.is_some() { flags::LINK } else { 0 };
         self
     }
 
-    /// The same, and taken into the state of its link.
+    /// A message that is taken into the state of its link before anybody sees it.
     #[inline]
-    pub(crate) fn posted(mut self, seconds: f64, link: u8) -> Self {
+    pub(crate) fn posted(mut self) -> Self {
         *self.flags.get_mut() |= flags::POSTED;
-        self.stamped(seconds, link)
-    }
-
-    /// A message of a live link, stamped and taken into its state before anybody sees it.
-    #[inline]
-    pub(crate) fn seen_at(mut self, seconds: f64) -> Self {
-        *self.timestamp.get_mut() = seconds.to_bits();
-        *self.flags.get_mut() |= flags::TIMESTAMP | flags::POSTED;
         self
     }
 
@@ -189,13 +181,11 @@ impl Message {
         let copied = flags::WIRE | flags::TIMESTAMP | flags::PACKED;
         let extra = self.extra.get(py);
         Self {
-            info: self.info,
-            frame: self.frame.clone(),
-            origin: self.origin,
             flags: AtomicU32::new(self.flags.load(Ordering::Relaxed) & copied),
             timestamp: AtomicU64::new(self.timestamp.load(Ordering::Relaxed)),
             link: AtomicU8::new(self.link.load(Ordering::Relaxed)),
             extra: extra.map_or(Extra::none(), |extra| Extra::holding(&extra)),
+            ..Self::received(self.info, self.frame.clone(), self.origin)
         }
     }
 

@@ -61,12 +61,6 @@ pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     }
 }
 
-/// The same, or `None` for `None`.
-#[cfg(unix)] // only options of the bridge use it
-pub(crate) fn optional_bytes(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<u8>>> {
-    if object.is_none() { Ok(None) } else { bytes(object).map(Some) }
-}
-
 /// Bytes of anything that `bytearray.extend` takes.
 pub(crate) fn bytes_like<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     if data.is_exact_instance_of::<PyBytes>() {

@@ -144,7 +144,7 @@ impl LogScan {
 
     fn message<'py>(&self, py: Python<'py>, found: Found) -> PyResult<Option<Bound<'py, Message>>> {
         let Found { index, frame, time, link } = found;
-        let stamped = |message: Message| message.stamped(time, link);
+        let stamped = |message: Message| message.stamped(time, Some(link));
         self.dialect.get().message(py, index, frame, stamped).map(Some)
     }
 }
@@ -178,8 +178,14 @@ impl LogScan {
         let (py, this) = (slf.py(), slf.get());
         let make = |record: &Peeked<'_>| {
             let class = this.dialect.get().known_class(record.index)?;
-            let stamped = |message: Message| message.stamped(record.time, record.link);
-            create::reused_frame(class.class.bind(py), class.info, record.stream, record.len, stamped)
+            let stamped = |message: Message| message.stamped(record.time, Some(record.link));
+            create::reused_frame(
+                class.class.bind(py),
+                class.info,
+                record.stream,
+                record.len,
+                stamped,
+            )
         };
         match this.search(NEAR, make)? {
             Look::Made(message) => return Ok(Some(message)),
