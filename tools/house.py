@@ -36,8 +36,11 @@ def without_comments(code: str) -> str:
 
 def rust_files(crate: str) -> list[Path]:
     """The sources of a crate without those that hold only tests."""
-    files = (RUST / crate / "src").rglob("*.rs")
-    return sorted(one for one in files if one.stem != "tests" and "tests" not in one.parts)
+    files = sorted((RUST / crate / "src").rglob("*.rs"))
+    declared = re.compile(r"#\[cfg\([^\]]*\btest\b[^\]]*\]\n(?:pub\S* )?mod (\w+);")
+    texts = (one.read_text(encoding="utf-8") for one in files)
+    tests = {name for text in texts for name in declared.findall(text)}
+    return [one for one in files if not tests & {one.stem, *one.parts}]
 
 
 def rust_lines(path: Path) -> list[str]:
