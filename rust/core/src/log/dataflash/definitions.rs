@@ -87,22 +87,6 @@ impl Definitions {
         self.layouts.push(Arc::new(layout));
     }
 
-    /// Index of the layout for a record of a type at a place in the log.
-    #[inline]
-    pub fn index_at(&self, type_id: u8, offset: u64) -> Option<u16> {
-        match self.only[usize::from(type_id)].index {
-            NONE => None,
-            SEVERAL => self.index_of_several(type_id, offset),
-            index => Some(index),
-        }
-    }
-
-    fn index_of_several(&self, type_id: u8, offset: u64) -> Option<u16> {
-        let places = &self.places[usize::from(type_id)];
-        let behind = places.partition_point(|&(from, _)| from <= offset);
-        Some(places.get(behind.checked_sub(1)?)?.1)
-    }
-
     /// Index and length of a record of a type at a place in the log.
     #[inline]
     pub(super) fn record(&self, type_id: u8, offset: u64) -> Option<(u16, usize)> {
@@ -110,7 +94,9 @@ impl Definitions {
         match index {
             NONE => None,
             SEVERAL => {
-                let index = self.index_of_several(type_id, offset)?;
+                let places = &self.places[usize::from(type_id)];
+                let behind = places.partition_point(|&(from, _)| from <= offset);
+                let index = places.get(behind.checked_sub(1)?)?.1;
                 Some((index, usize::from(self.layouts.get(usize::from(index))?.len)))
             }
             index => Some((index, usize::from(len))),
