@@ -15,6 +15,7 @@ use mavwire_core::log::tlog::{FoundRecord, STAMP_LEN};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::distance_to_stx;
 use mavwire_core::schema::Message as Definition;
+use mavwire_core::text::write_bytes_text;
 
 /// Longest time stamp and header.
 const LOOK: usize = STAMP_LEN + HEADER_LEN_V2;
@@ -93,36 +94,22 @@ impl InstancePlace {
         Some(Self { offset: field.offset, text_len: field.array_length })
     }
 
-    /// The instance as pymavlink's index reads it from the raw bytes: text up to the first NUL, of anything else the
-    /// lowest byte, signed.
-    fn read(self, payload: &[u8]) -> Instance {
-        let offset = usize::from(self.offset);
-        if self.text_len == 0 {
-            return Instance::Byte(read::<1>(payload, offset)[0]);
-        }
-        let end = (offset + usize::from(self.text_len)).min(payload.len());
-        let raw = payload.get(offset..end).unwrap_or_default();
-        let raw = &raw[..memchr::memchr(0, raw).unwrap_or(raw.len())];
-        Instance::Text(raw.into())
+    /// The lowest byte of a number.
+    fn byte(self, payload: &[u8]) -> u8 {
+        read::<1>(payload, usize::from(self.offset))[0]
     }
-}
 
-/// Which instance a record is about.
-#[derive(Clone, PartialEq, Eq, Hash)]
-enum Instance {
-    Byte(u8),
-    Text(Box<[u8]>),
-}
-
-impl Instance {
-    /// As it stands between brackets in `messages["TYPE[instance]"]`.
-    fn text(&self) -> String {
-        match self {
-            Self::Byte(byte) => byte.cast_signed().to_string(),
-            Self::Text(raw) => {
-                raw.iter().map(|&b| if b.is_ascii() { b as char } else { '\u{FFFD}' }).collect()
-            }
+    /// The instance as it stands between brackets in `messages["TYPE[instance]"]`, as pymavlink's index reads it from the
+    /// raw bytes: text up to the first NUL, of anything else the lowest byte, signed.
+    fn text(self, payload: &[u8]) -> String {
+        if self.text_len == 0 {
+            return self.byte(payload).cast_signed().to_string();
         }
+        let offset = usize::from(self.offset);
+        let end = (offset + usize::from(self.text_len)).min(payload.len());
+        let mut text = String::new();
+        write_bytes_text(&mut text, payload.get(offset..end).unwrap_or_default());
+        text
     }
 }
 
@@ -197,8 +184,8 @@ pub struct LogIndex {
     /// By message index.
     kinds: Vec<Kind>,
     /// Instances already shown to Python, until the table they were put into may be another one.
-    seen: HashSet<(u16, Instance)>,
-    /// The same for numbers, by message index.
+    seen: HashSet<(u16, String)>,
+    /// Those of numbers by their bytes, by message index.
     seen_bytes: Vec<Option<Box<[bool; 256]>>>,
     /// Message indices in the order in which they first appear.
     order: Vec<u16>,
@@ -329,17 +316,17 @@ impl LogIndex {
         let Some(place) = self.kinds[usize::from(index)].instance else { return Ok(None) };
         let len = usize::from(record.header.payload_len);
         let bytes = window.at(record.payload, len)?;
-        let key = (index, place.read(&bytes[..len.min(bytes.len())]));
-        if self.seen.contains(&key) {
+        let payload = &bytes[..len.min(bytes.len())];
+        if self.has_seen(usize::from(index), place, payload) {
             return Ok(None);
         }
-        if let Instance::Byte(byte) = key.1 {
+        if place.text_len == 0 {
             let seen = &mut self.seen_bytes[usize::from(index)];
-            seen.get_or_insert_with(|| Box::new([false; 256]))[usize::from(byte)] = true;
+            seen.get_or_insert_with(|| Box::new([false; 256]))[usize::from(place.byte(payload))] =
+                true;
         }
-        let text = key.1.text();
-        self.seen.insert(key);
-        Ok(Some(text))
+        let text = place.text(payload);
+        Ok(self.seen.insert((index, text.clone())).then_some(text))
     }
 
     /// Adds the records at the front of `bytes`, which stand at `offset` in the log, as long as there is nothing special
@@ -390,10 +377,7 @@ impl LogIndex {
     /// A number's instance that was seen before.
     fn has_seen(&self, index: usize, place: InstancePlace, payload: &[u8]) -> bool {
         let seen = self.seen_bytes[index].as_ref();
-        place.text_len == 0
-            && seen.is_some_and(|seen| {
-                seen[usize::from(read::<1>(payload, usize::from(place.offset))[0])]
-            })
+        place.text_len == 0 && seen.is_some_and(|seen| seen[usize::from(place.byte(payload))])
     }
 
     /// Adds records from `offset` on, up to one that needs a closer look or begins behind `limit`; with a `finder` only
