@@ -5,6 +5,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use mavwire_columns::input::framing_of;
@@ -23,10 +24,14 @@ use crate::dialect::registry::Dialect;
 use crate::message::create;
 use crate::message::object::Message;
 use crate::python::error::Result;
+use crate::sync::shared;
 use crate::tables::columns::Query;
 
 /// Records that are looked at before the interpreter is let go of.
 const NEAR: u32 = 32;
+/// Messages that are handed out before signal handlers and other threads get a turn. A list that is made of the run runs
+/// no Python code.
+const TURN: u64 = 128;
 /// Records that are looked at before the user's wish to stop is heeded.
 const BUDGET: u32 = 1 << 20;
 
@@ -112,6 +117,8 @@ pub(crate) struct LogScan {
     dialect: Py<Dialect>,
     /// `None` once the log is at its end, or closed. No Python code runs while it is held.
     source: Mutex<Option<Source>>,
+    /// How often it was asked for a message.
+    asked: AtomicU64,
 }
 
 impl LogScan {
@@ -167,7 +174,8 @@ impl LogScan {
         let mut parser = Parser::default();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
         let wanted = query.wanted(Some(dialect.get()));
-        Ok(Self { dialect, source: Mutex::new(Some(Source { reader, parser, wanted })) })
+        let source = Mutex::new(Some(Source { reader, parser, wanted }));
+        Ok(Self { dialect, source, asked: AtomicU64::new(0) })
     }
 
     fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
@@ -176,6 +184,11 @@ impl LogScan {
 
     fn __next__<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Message>>> {
         let (py, this) = (slf.py(), slf.get());
+        if this.asked.load(Relaxed).is_multiple_of(TURN) {
+            py.check_signals()?; // before anything is read, which could not be given back
+            py.detach(|| ());
+        }
+        shared::add(&this.asked, 1);
         let make = |record: &Peeked<'_>| {
             let class = this.dialect.get().known_class(record.index)?;
             let stamped = |message: Message| message.stamped(record.time, Some(record.link));
