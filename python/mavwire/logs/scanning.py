@@ -1,14 +1,17 @@
 """`scan_polars`: a message type of many logs as a polars LazyFrame.
 
 polars says which columns it needs, and only those are gathered. `start`, `end` and `systems` limit the
-rows that are decoded. A filter of polars limits the rows of the result.
+rows that are decoded. Columns that a filter of polars asks for are decoded first, the others for the rows
+that it keeps.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
+from mavwire._native import RecordBatches
 from mavwire.dialects import UPSTREAM
 
 from .common_columns import Surveys, empty_of
@@ -89,18 +92,17 @@ class _Source:
             import polars as pl
 
         wanted = Selection(**vars(self._selection))
-        # polars filters what it gets here, so the filter's columns are needed too.
         needed = set(with_columns or self.schema)
         if predicate is not None:
-            needed.update(predicate.meta.root_names())
+            asked = [*dict.fromkeys(predicate.meta.root_names())] or [*self.schema][:1]
+            wanted.predicate = asked, partial(_kept, self._empty.select(asked), predicate)
+            needed.update(asked)
         wanted.columns = [name for name in self.schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
         empty = self._empty.select(wanted.columns)
         left = n_rows
         for table in batches(self._paths, self._surveys, self._native, wanted):
             frame = pl.DataFrame(table._batches.fitted(empty))
-            if predicate is not None:
-                frame = frame.filter(predicate)
             if with_columns is not None:
                 frame = frame.select(with_columns)
             if left is not None:
@@ -109,6 +111,14 @@ class _Source:
             yield frame
             if left is not None and left <= 0:
                 return
+
+
+def _kept(empty: RecordBatches, predicate: Any, rows: RecordBatches) -> RecordBatches:
+    """The numbers of the rows that a predicate of polars keeps."""
+    import polars as pl
+
+    numbers = pl.int_range(pl.len(), dtype=pl.UInt32).filter(predicate)
+    return RecordBatches.from_stream(pl.DataFrame(rows.fitted(empty)).select(numbers))
 
 
 def _restored(paths: list[str], message: str, dialect: tuple[str, bool], query: Values) -> _Source:

@@ -47,6 +47,10 @@ class Selection:
     start: float | None = None
     end: float | None = None
     columns: list[str] | None = None
+    predicate: tuple[list[str], Callable[[RecordBatches], RecordBatches]] | None = None
+    """Columns, and a function that is given tables with these. It answers with the numbers of the rows that
+    are wanted, in a column of a table.
+    """
     si: bool = False
     enum_names: bool = False
     invalid: str = "keep"

@@ -4,7 +4,7 @@ use std::mem::take;
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayData, ArrayRef, BinaryBuilder, FixedSizeListArray, NullBufferBuilder,
+    Array, ArrayData, ArrayRef, BinaryBuilder, FixedSizeBinaryArray, FixedSizeListArray, NullBufferBuilder,
     StringBuilder, TimestampMicrosecondArray, make_array,
 };
 use arrow::buffer::{Buffer, NullBuffer};
@@ -114,6 +114,7 @@ impl Growing {
         }
         match (&mut self.values, source) {
             (Values::Times(values), _) => values.extend_from_slice(rows.times),
+            (Values::Bits8(values), Source::Record(_)) => values.extend_from_slice(rows.bytes),
             (Values::Bits8(values), _) => gather(values, rows, place, u8::from_le_bytes),
             (Values::Bits16(values), _) => gather(values, rows, place, u16::from_le_bytes),
             (Values::Bits32(values), Source::Half(_)) => {
@@ -241,6 +242,9 @@ fn numbers(
     (valid, valid_elements): (Option<NullBuffer>, Option<NullBuffer>),
     column: &Column,
 ) -> Result<ArrayRef, ArrowError> {
+    if let Source::Record(len) = column.source {
+        return Ok(Arc::new(FixedSizeBinaryArray::try_new(len.into(), bits, None)?));
+    }
     let lists = match &column.source {
         Source::Numbers(field) | Source::Half(field) if field.is_numeric_array() => Some(field),
         _ => None,

@@ -46,6 +46,7 @@ pub(crate) fn place_of(source: &Source) -> (usize, usize) {
         Source::Numbers(field) | Source::Half(field) => {
             (PAYLOAD + usize::from(field.offset), field.elements())
         }
+        Source::Record(len) => (0, usize::from(*len)),
         _ => (0, 1),
     }
 }

@@ -9,14 +9,22 @@ use std::sync::{Arc, OnceLock};
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
 use mavwire_core::registry::Registry;
+use mavwire_core::telemetry::TextFields;
 use mavwire_schema::{Dialect, Enum, Field, FieldType, InvalidRule, Message};
 
 use crate::enums::{Names, mask_len};
 use crate::error::Error;
+use crate::gather::PAYLOAD;
 use crate::units::{Scale, to_si};
 
 /// The columns in front of the fields, which say where a row came from and not what was measured.
 pub(crate) const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
+
+/// The column of whole records. A field has a name.
+const RECORD: &str = "";
+
+/// Plain columns that cost about as much as a copy of the record: only more than these are decoded late.
+const RECORD_COST: usize = 12;
 
 /// The policy for invalid values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,6 +49,8 @@ pub struct Options {
     pub text_parts: bool,
     /// The columns that are wanted, in their order; `None` for all.
     pub columns: Option<Vec<String>>,
+    /// Those of a predicate: they are decoded first, and the others for the rows that it keeps.
+    pub predicate: Option<Vec<String>>,
 }
 
 impl Options {
@@ -73,6 +83,8 @@ pub enum Source {
     LogText(Field),
     /// All bytes of a field.
     Bytes(Field),
+    /// All bytes of a row, so many.
+    Record(u16),
 }
 
 impl Source {
@@ -132,6 +144,8 @@ pub struct Layout {
     pub columns: Vec<Column>,
     /// The same for arrow.
     pub schema: SchemaRef,
+    /// The layout of the rows that a predicate keeps, where these are its columns alone: see [`Layout::with_late`].
+    pub late: Option<Arc<Layout>>,
 }
 
 impl Layout {
@@ -145,7 +159,28 @@ impl Layout {
         }
         let told =
             [("msgid", message.id.to_string()), ("dialect", registry.dialect().name.clone())];
-        Self::of(message.name.clone(), columns, told)
+        let layout = Self::of(message.name.clone(), columns, told);
+        if TextFields::of(message).is_some() {
+            return layout; // a long text is in several records
+        }
+        layout.with_late(options, PAYLOAD as u16 + u16::from(message.max_len))
+    }
+
+    /// The columns of a predicate, and the records of `len` bytes, from which [`Batch::kept`](crate::reader::Batch::kept)
+    /// decodes the wanted columns. The wanted columns at once without a predicate, or if it asks for most of them.
+    pub(crate) fn with_late(self, options: &Options, len: u16) -> Self {
+        let Some(names) = &options.predicate else { return self };
+        let is_asked = |column: &&Column| names.iter().any(|name| name == column.name());
+        let is_late = |column: &&Column| !is_asked(column) && column.source != Source::Timestamp;
+        if self.columns.iter().filter(is_late).map(Column::cost).sum::<usize>() <= RECORD_COST {
+            return self;
+        }
+        let asked = self.columns.iter().filter(is_asked);
+        let asked = asked.filter(|column| column.source != Source::Timestamp).cloned();
+        let record = Column::new(RECORD, Source::Record(len), DataType::FixedSizeBinary(len.into()));
+        let columns = std::iter::once(Column::timestamp()).chain(asked).chain([record]).collect();
+        let first = Self::of(self.message.clone(), columns, []);
+        Self { late: Some(Arc::new(self)), ..first }
     }
 
     /// These columns of a type, and metadata beside its name.
@@ -159,7 +194,7 @@ impl Layout {
         metadata.insert("message".to_owned(), message.clone());
         let fields: Vec<_> = columns.iter().map(|column| column.field.clone()).collect();
         let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
-        Self { message, columns, schema }
+        Self { message, columns, schema, late: None }
     }
 
     /// Checks that each of the columns is there.
@@ -227,6 +262,12 @@ impl Column {
     /// Its name.
     pub fn name(&self) -> &str {
         self.field.name()
+    }
+
+    /// About what it costs to decode, in columns of numbers as they are.
+    fn cost(&self) -> usize {
+        let is_plain = self.scale.is_none() && self.invalid.is_none();
+        if is_plain && self.field.data_type().is_primitive() { 1 } else { 4 }
     }
 
     /// Says that its values tell apart what the messages of one type are about.

@@ -5,18 +5,19 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::vec::IntoIter;
 
-use arrow::array::RecordBatch;
+use arrow::array::{Array, RecordBatch};
+use arrow::compute::take_record_batch;
 use mavwire_core::registry::Registry;
 
 use crate::decoder::Decoder;
 use crate::error::Error;
 use crate::input::{Blocks, Steps};
-use crate::layout::{Layouts, Options};
+use crate::layout::{Layout, Layouts, Options};
 use crate::pool;
 use crate::row_block::Rest;
 use crate::scan::Framing;
 use crate::select::Wanted;
-use crate::table::Expected;
+use crate::table::{Expected, TableBuilder};
 use crate::unknown::UnknownCounts;
 
 /// When a table's rows become a record batch.
@@ -57,6 +58,23 @@ pub struct Batch {
     pub message: Arc<str>,
     /// The rows.
     pub rows: RecordBatch,
+    /// The layout that the rows get which a predicate keeps.
+    pub late: Option<Arc<Layout>>,
+}
+
+impl Batch {
+    /// The rows with these numbers, with all columns that are wanted.
+    ///
+    /// # Errors
+    /// A number is not that of a row.
+    pub fn kept(self, numbers: &dyn Array) -> Result<Self, Error> {
+        let are_all = numbers.len() == self.rows.num_rows();
+        let mut rows = if are_all { self.rows } else { take_record_batch(&self.rows, numbers)? };
+        if let Some(layout) = &self.late {
+            rows = TableBuilder::new(Arc::clone(layout)).decode(&rows)?;
+        }
+        Ok(Self { rows, late: None, ..self })
+    }
 }
 
 /// A log of any kind being decoded.

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use arrow::array::RecordBatch;
+use arrow::array::{AsArray, RecordBatch};
+use arrow::datatypes::TimestampMicrosecondType;
 use arrow::error::ArrowError;
 use mavwire_core::telemetry::{StatusTexts, TextFields};
 
 use crate::column::Growing;
-use crate::gather::{PAYLOAD, Rows};
+use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::layout::{Layout, Source};
 
 /// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
@@ -184,6 +185,19 @@ impl TableBuilder {
             }
         }
         self.rows += 1;
+    }
+
+    /// The rows of records that are in the last column of a table, behind their times in the first one.
+    pub(crate) fn decode(mut self, table: &RecordBatch) -> Result<RecordBatch, ArrowError> {
+        let times = table.column(0).as_primitive::<TimestampMicrosecondType>().iter();
+        let times: Vec<i64> = times.map(|time| time.unwrap_or(NO_TIME)).collect();
+        let records = table.column(table.num_columns() - 1).as_fixed_size_binary();
+        let stride = records.value_length() as usize;
+        let bytes = records.value_data().chunks(GROUP * stride);
+        for (times, bytes) in times.chunks(GROUP).zip(bytes) {
+            self.append(&Rows { times, bytes, stride, texts: &[] });
+        }
+        self.take()
     }
 
     /// The rows so far; the table is empty then.

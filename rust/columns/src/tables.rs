@@ -84,9 +84,14 @@ impl Tables {
         let due: Vec<(u16, &mut TableBuilder)> = tables.filter(|(_, table)| full(table)).collect();
         let most = self.limits.rows;
         let taken = |(index, table): (u16, &mut TableBuilder)| {
-            let message: Arc<str> = table.layout().message.as_str().into();
-            let batch = |rows| Batch { index, message: Arc::clone(&message), rows };
-            Ok(pieces(&table.take()?, most).map(batch).collect::<Vec<_>>())
+            let rows = table.take()?;
+            let layout = table.layout();
+            let message: Arc<str> = layout.message.as_str().into();
+            let batch = |rows| {
+                let (message, late) = (Arc::clone(&message), layout.late.clone());
+                Batch { index, message, rows, late }
+            };
+            Ok(pieces(&rows, most).map(batch).collect::<Vec<_>>())
         };
         let taken = pool::run(|| due.into_par_iter().map(taken).collect::<Result<Vec<_>, Error>>());
         Ok(taken?.into_iter().flatten().collect())

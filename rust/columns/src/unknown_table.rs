@@ -70,7 +70,7 @@ impl UnknownTable {
             Arc::new(table.payloads.finish()),
         ];
         let rows = RecordBatch::try_new(Arc::new(schema()), columns)?;
-        let batch = |rows| Batch { index: UNKNOWN, message: NAME.into(), rows };
+        let batch = |rows| Batch { index: UNKNOWN, message: NAME.into(), rows, late: None };
         Ok(pieces(&rows, limits.rows).map(batch).collect())
     }
 }

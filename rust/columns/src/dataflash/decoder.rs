@@ -234,7 +234,11 @@ fn append_records(table: &mut TableBuilder, layout: &TableLayout, side: Side<'_>
         let Some(of_layout) = layout.places.get(&same.kinds[0]) else { continue };
         let sources: Vec<Option<&Source>> = of_layout.sources().collect();
         for Side { times, bytes, stride, .. } in same.groups(GROUP) {
-            table.append_from(&Rows { times, bytes, stride, texts: &[] }, &sources);
+            let rows = Rows { times, bytes, stride, texts: &[] };
+            match layout.layout.late {
+                Some(_) => table.append(&rows),
+                None => table.append_from(&rows, &sources),
+            }
         }
     }
 }

@@ -88,7 +88,10 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     for column in columns.iter_mut().filter(|_| !always) {
         column.field.set_nullable(true);
     }
-    let layout = Layout::of(survey.tables[table].to_string(), columns, []);
+    let mut layout = Layout::of(survey.tables[table].to_string(), columns, []);
+    if let ([(_, only)], true) = (&layouts[..], always) {
+        layout = layout.with_late(options, only.len.into());
+    }
     TableLayout { layout: Arc::new(layout), places }
 }
 

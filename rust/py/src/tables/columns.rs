@@ -46,6 +46,8 @@ pub(crate) struct Query {
     /// Names of columns; `None` for all.
     #[pyo3(from_py_with = optional_list)]
     columns: Option<Vec<String>>,
+    /// Columns, and a function that says which rows of a table with these are wanted: a table of their numbers.
+    predicate: Option<(Vec<String>, Py<PyAny>)>,
     si: bool,
     enum_names: bool,
     #[pyo3(from_py_with = invalid_of)]
@@ -106,6 +108,7 @@ impl Query {
             invalid: self.invalid,
             text_parts: false,
             columns: self.columns.clone(),
+            predicate: self.predicate.as_ref().map(|(columns, _)| columns.clone()),
         }
     }
 
@@ -149,6 +152,7 @@ fn layouts(dialect: &Dialect, options: &Options) -> Arc<Layouts> {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct LogColumns {
     reader: Mutex<Box<dyn Decode>>,
+    predicate: Option<Py<PyAny>>,
     freed: Freed,
 }
 
@@ -161,7 +165,8 @@ impl LogColumns {
     ) -> Result<Self> {
         let reader = py.detach(open)?;
         query.check_times(reader.has_times())?;
-        Ok(Self { reader: Mutex::new(reader), freed: Freed::default() })
+        let predicate = query.predicate.as_ref().map(|(_, keeps)| keeps.clone_ref(py));
+        Ok(Self { reader: Mutex::new(reader), predicate, freed: Freed::default() })
     }
 
     fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
@@ -172,6 +177,15 @@ impl LogColumns {
             self.freed.add(batches.as_deref().map_or(0, bytes_of));
         }
         Ok(batches)
+    }
+
+    /// The rows that the predicate keeps.
+    fn kept(&self, py: Python<'_>, batch: Batch) -> Result<Batch> {
+        let Some(keeps) = &self.predicate else { return Ok(batch) };
+        let (_, asked) = table(batch.clone());
+        let numbers = keeps.bind(py).call1((asked,))?.cast_into::<RecordBatches>()?;
+        let numbers = numbers.get().whole(py)?.column(0);
+        Ok(py.detach(|| batch.kept(numbers))?)
     }
 
     pub(crate) fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
@@ -206,8 +220,9 @@ impl LogColumns {
     /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> Result<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.advance())?;
-        Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
+        let Some(batches) = py.detach(|| self.advance())? else { return Ok(None) };
+        let kept = batches.into_iter().map(|batch| Ok(table(self.kept(py, batch)?)));
+        kept.collect::<Result<_>>().map(Some)
     }
 
     /// Bytes of the log, decompressed, that are consumed; how many of them belong to no record; the damage of a compressed
