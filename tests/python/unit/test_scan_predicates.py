@@ -11,6 +11,7 @@ import pytest
 from dataflash_writer import Log
 from mavwire import traffic
 from mavwire.logs import scanning
+from real_logs import each_log
 from unit.column_tools import log_of_every_type
 
 pl = pytest.importorskip("polars")
@@ -73,8 +74,10 @@ def leaf(random: Random, frame: Any) -> Any:
         return random.choice([column.is_null(), column.is_not_null()])
     if isinstance(kind, pl.Array):
         column, kind = column.arr.get(random.randrange(kind.size)), kind.inner
-    values = frame.select(column.drop_nulls()).to_series().cast(
-        pl.String if isinstance(kind, pl.Categorical | pl.Enum) else kind
+    values = (
+        frame.select(column.drop_nulls())
+        .to_series()
+        .cast(pl.String if isinstance(kind, pl.Categorical | pl.Enum) else kind)
     )
     if values.is_empty():
         return column.is_null()
@@ -84,7 +87,13 @@ def leaf(random: Random, frame: Any) -> Any:
         return random.choice(equal)
     if kind == pl.String:
         return random.choice([*equal, column.str.starts_with(one[:1]), column > one])
-    order = [column < one, column <= one, column > one, column >= one, column.is_between(one, other)]
+    order = [
+        column < one,
+        column <= one,
+        column > one,
+        column >= one,
+        column.is_between(one, other),
+    ]
     if kind.is_float():
         order += [column.is_nan(), column == float("nan"), column.abs() < 1e30]
     return random.choice([*equal, *order])
@@ -110,13 +119,17 @@ def test_any_predicate_of_any_columns(every, asked, name, how):
         kept.append(check(lazy, whole, tree(random, whole), random.choice([None, columns])))
     assert min(kept) < len(whole) and max(kept) > 0
     is_late = any("" in names and len(names) < whole.width for names in asked)
-    assert is_late == (name not in ("STATUSTEXT", "HEARTBEAT") or (name, how) == ("HEARTBEAT", READABLE))
+    assert is_late == (
+        name not in ("STATUSTEXT", "HEARTBEAT") or (name, how) == ("HEARTBEAT", READABLE)
+    )
 
 
 def test_only_what_the_predicate_asks_for_is_decoded_of_all_rows(flight, asked):
     lazy = mavwire.scan_polars(flight, "SYS_STATUS", **READABLE)
     whole = lazy.collect()
-    assert check(lazy, whole, (pl.col("load") > whole["load"].median()) & (pl.col("sysid") == 1)) > 0
+    assert (
+        check(lazy, whole, (pl.col("load") > whole["load"].median()) & (pl.col("sysid") == 1)) > 0
+    )
     assert {*map(tuple, asked)} == {("timestamp", "sysid", "load", "")}
     asked.clear()
     check(lazy, whole, pl.col("load") > 0, ["load", "seq"])
@@ -160,11 +173,15 @@ def test_long_texts_are_filtered_whole(tmp_path):
     mav = common.MAVLink(None, srcSystem=1)
     path, text = tmp_path / "text.tlog", "x" * 80
     with path.open("wb") as file:
-        for id, words in enumerate([text, "short", "y" * 60, "\xe9".encode("latin1").decode("latin1")], 1):
+        for id, words in enumerate(
+            [text, "short", "y" * 60, "\xe9".encode("latin1").decode("latin1")], 1
+        ):
             parts = [words[at : at + 50] for at in range(0, len(words), 50)]
             for number, part in enumerate(parts):
                 chunk = number if len(parts) > 1 else 0
-                message = mav.statustext_encode(6, part.encode(), id if len(parts) > 1 else 0, chunk)
+                message = mav.statustext_encode(
+                    6, part.encode(), id if len(parts) > 1 else 0, chunk
+                )
                 file.write((id * 10**6).to_bytes(8, "big") + message.pack(mav))
     lazy = mavwire.scan_polars(path, "STATUSTEXT", **READABLE)
     whole = lazy.collect()
@@ -194,7 +211,12 @@ def dataflash(path: Path, rows: int, *, again: bool = False) -> str:
 @pytest.mark.parametrize("how", [{}, {"units": "si"}], ids=["plain", "si"])
 def test_dataflash_logs(tmp_path, asked, how, again):
     paths = [dataflash(tmp_path / f"{rows}.BIN", rows, again=again) for rows in (90, 30)]
-    paths.append(Log().define("WIDE", "QhB", "TimeUS,A,Gone", 3).add("WIDE", 1, 7, 9).write(tmp_path / "old.BIN"))
+    paths.append(
+        Log()
+        .define("WIDE", "QhB", "TimeUS,A,Gone", 3)
+        .add("WIDE", 1, 7, 9)
+        .write(tmp_path / "old.BIN")
+    )
     lazy = mavwire.scan_polars(paths, "WIDE", **how)
     whole, random = lazy.collect(), Random(5)
     assert len(whole) == 121
@@ -213,3 +235,15 @@ def test_text_logs_and_logs_of_both_kinds(tmp_path, flight):
     whole = lazy.collect()
     assert 0 < check(lazy, whole, pl.col("roll") > 1) < len(whole)
     assert check(lazy, whole, pl.col("other").is_in([3.0, 4.0])) == 2
+
+
+@each_log("*.tlog", "*.raw", "*.BIN", "*.log")
+def test_types_of_real_logs(path):
+    random = Random(path.name)
+    tables = mavwire.read(path, unknown="ignore")
+    for name in random.sample(sorted(tables), min(6, len(tables))):
+        for how in ({}, READABLE):
+            lazy = mavwire.scan_polars(path, name, **how)
+            whole = lazy.collect()
+            for _ in range(4):
+                check(lazy, whole, tree(random, whole))
