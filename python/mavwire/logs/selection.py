@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from math import isnan
 from operator import index
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import did_you_mean
 
 from .query import Query, Types
+
+if TYPE_CHECKING:
+    from mavwire._native import RecordBatches
 
 DAY = 86_400
 YEAR = 31_556_952

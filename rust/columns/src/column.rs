@@ -4,8 +4,8 @@ use std::mem::take;
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayData, ArrayRef, BinaryBuilder, FixedSizeBinaryArray, FixedSizeListArray, NullBufferBuilder,
-    StringBuilder, TimestampMicrosecondArray, make_array,
+    Array, ArrayData, ArrayRef, BinaryBuilder, FixedSizeBinaryArray, FixedSizeListArray,
+    NullBufferBuilder, StringBuilder, TimestampMicrosecondArray, make_array,
 };
 use arrow::buffer::{Buffer, NullBuffer};
 use arrow::datatypes::{DataType, Field as ArrowField};
@@ -204,6 +204,8 @@ impl Growing {
             Values::Times(v) => return Ok(times(take(v))),
             Values::Text(v) => return Ok(Arc::new(v.finish())),
             Values::RawText(v) => return Ok(Arc::new(v.finish())),
+            // Not made smaller: the allocator would map fresh memory for each batch.
+            Values::Bits8(v) if matches!(column.source, Source::Record(_)) => take(v).into(),
             Values::Bits8(v) => buffer(take(v)),
             Values::Bits16(v) => buffer(take(v)),
             Values::Bits32(v) => buffer(take(v)),

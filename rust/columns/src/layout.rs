@@ -177,7 +177,8 @@ impl Layout {
         }
         let asked = self.columns.iter().filter(is_asked);
         let asked = asked.filter(|column| column.source != Source::Timestamp).cloned();
-        let record = Column::new(RECORD, Source::Record(len), DataType::FixedSizeBinary(len.into()));
+        let record =
+            Column::new(RECORD, Source::Record(len), DataType::FixedSizeBinary(len.into()));
         let columns = std::iter::once(Column::timestamp()).chain(asked).chain([record]).collect();
         let first = Self::of(self.message.clone(), columns, []);
         Self { late: Some(Arc::new(self)), ..first }
