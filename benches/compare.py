@@ -181,6 +181,14 @@ def core_line() -> str | None:
     )
 
 
+def filter_lines() -> list[str]:
+    """What a filter saves where the other columns are decoded late."""
+    command = [sys.executable, str(HERE / "python" / "pushed_filter.py")]
+    out = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    title = "G18  a filter that keeps 1% of the rows, beside a filter on the whole frame"
+    return [f"{title}: {line}" for line in out.splitlines()]
+
+
 def progress(text: str) -> None:
     """Tell a waiting person what is going on."""
     if sys.stderr.isatty():
@@ -292,6 +300,7 @@ def main() -> int:
     peers = [peer for peer in PEERS if find_spec(peer)]
     results = run_cases([*packages, *peers], corpus, args) + run_dumps(packages, corpus, args)
     lines = [] if args.only else [*run_startup(packages, corpus, args), core_line() or ""]
+    lines += [] if args.only else filter_lines()
     progress("")
     rows = table(results, args.subject)
     title = f"{args.messages:,} messages, medians of {args.runs} runs, CPU time on {machine()}"

@@ -1,4 +1,4 @@
-"""The rows of the table and what they are measured against: G1 to G17, each with what must hold and
+"""The rows of the table and what they are measured against: G1 to G18, each with what must hold and
 what to aim at.
 
 A goal is a ratio to pymavlink in the same run; where there is none it is a rate in million messages
