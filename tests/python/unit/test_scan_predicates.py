@@ -95,7 +95,7 @@ def leaf(random: Random, frame: Any) -> Any:
         column.is_between(one, other),
     ]
     if kind.is_float():
-        order += [column.is_nan(), column == float("nan"), column.abs() < 1e30]
+        order += [column.is_nan(), column == pl.lit(float("nan")), column.abs() < 1e30]
     return random.choice([*equal, *order])
 
 
