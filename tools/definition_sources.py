@@ -23,8 +23,8 @@ HISTORY = UNION.with_name("history.xml")
 WRITTEN = "written"
 ACCEPTED = "accepted"
 HEAD = """# Where the definitions come from: the SHA-256 of each file that was read, and of each file that was written.
-# Written by tools/import_definitions.py, tools/union_definitions.py and tools/import_history.py. `[[accepted]]` is written
-# by hand: tools/definitions_check.py prints it for each change that is held back.
+# Written by tools/import_definitions.py and tools/union_definitions.py. `[[accepted]]` is written by hand:
+# tools/definitions_check.py prints it for each change that is held back.
 """
 
 

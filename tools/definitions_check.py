@@ -79,37 +79,47 @@ class Judge:
         counted = of_set(str(folder)).messages
         verdicts = []
         for path in definition_files(folder) if folder.is_dir() else [folder]:
-            is_pinned = definition_sources.digest(path) in self.pinned
-            verdict = Verdict(path, of_file(path), is_pinned)
-            self._check_messages(counted, verdict)
-            for enum, entries in verdict.facts.enums.items():
-                self._check_entries(enum, entries, verdict)
+            facts = of_file(path)
+            verdict = Verdict(path, facts, definition_sources.digest(path) in self.pinned)
+            facts.messages = {
+                id_: message
+                for id_, message in facts.messages.items()
+                if self._takes_message(id_, message, counted[id_].key == message.key, verdict)
+            }
+            for enum, entries in facts.enums.items():
+                if enum not in self.union.enums:
+                    verdict.add(ADDITIVE, f"enum {enum}")
+                    continue
+                facts.enums[enum] = {
+                    name: value
+                    for name, value in entries.items()
+                    if self._takes_entry(enum, name, value, verdict)
+                }
             verdicts.append(verdict)
         for verdict in verdicts:
             self._add(verdict.facts, counted)
         return verdicts
 
     def _add(self, facts: Facts, counted: dict[int, Message]) -> None:
-        """Add what is not held back to the union."""
+        """Add what is not held back to the union, in the place of what it replaces."""
         for id_, message in facts.messages.items():
             known = self.union.messages.get(id_)
             if counted[id_].key == message.key and (known is None or known.key != message.key):
                 self.union.messages[id_] = message
         for enum, entries in facts.enums.items():
-            self.union.enums.setdefault(enum, {}).update(entries)
+            self.union.enums[enum] = {
+                name: value
+                for name, value in (self.union.enums.get(enum, {}) | entries).items()
+                if (enum, f"{name} = {value}") not in self.replaced
+            }
 
-    def _check_messages(self, counted: dict[int, Message], verdict: Verdict) -> None:
-        """Judge the messages of a file that count, and drop those that are held back."""
-        messages = verdict.facts.messages
-        for id_, message in [*messages.items()]:
-            changes = [*self._changes(id_, message)]
-            if any(kind not in IMPORTED for kind, _, _ in changes):
-                del messages[id_]
-            if counted[id_].key == message.key:
-                for change in changes:
-                    verdict.add(*change)
-            if (id_, message.crc_extra) in self.replaced:
-                messages.pop(id_, None)
+    def _takes_message(self, id_: int, message: Message, counts: bool, verdict: Verdict) -> bool:
+        """Note the changes of a message that counts; whether it may be imported."""
+        changes = [*self._changes(id_, message)]
+        for change in changes if counts else []:
+            verdict.add(*change)
+        is_replaced = (id_, message.crc_extra) in self.replaced
+        return not is_replaced and all(kind in IMPORTED for kind, _, _ in changes)
 
     def _changes(self, id_: int, message: Message) -> Iterator[Change]:
         """Compare a message with the one of the union that has its id."""
@@ -149,36 +159,29 @@ class Judge:
             for name, *_ in message.wire[len(known.wire) :]:
                 yield ADDITIVE, f"field {name} of {label}", None
 
-    def _check_entries(self, enum: str, entries: dict[str, int], verdict: Verdict) -> None:
-        """Judge the entries of an enum of a file, and drop those that are held back."""
-        known = self.union.enums.get(enum)
-        if known is None:
-            verdict.add(ADDITIVE, f"enum {enum}")
-            return
-        names = {value: name for name, value in known.items()}
-        for name, value in [*entries.items()]:
-            rival = name if name in known else names.get(value)
-            if known.get(name) == value:
-                continue
-            if rival is None:
-                verdict.add(ADDITIVE, f"entry {name}")
-                continue
-            old, new = f"{rival} = {known[rival]}", f"{name} = {value}"
-            text = (
-                f"{name} {known[name]} -> {value}"
-                if rival == name
-                else f"{value} is {rival} and {name}"
-            )
-            if self.new.get((enum, old)) == new:
-                verdict.add(ACCEPTED, text)
-                del known[rival]
-                continue
-            del entries[name]
-            # Upstream gave values of the drop-in dialects other names, which the union has.
-            if (enum, new) not in self.replaced and self.drop_in.enums.get(enum, {}).get(
-                name
-            ) != value:
-                verdict.add("enum values changed", text, Accepted(old, enum=enum, new=new))
+    def _takes_entry(self, enum: str, name: str, value: int, verdict: Verdict) -> bool:
+        """Note the change that an entry is; whether it may be imported."""
+        known = self.union.enums[enum]
+        if known.get(name) == value:
+            return True
+        rival = name if name in known else {one: other for other, one in known.items()}.get(value)
+        if rival is None:
+            verdict.add(ADDITIVE, f"entry {name}")
+            return True
+        old, new = f"{rival} = {known[rival]}", f"{name} = {value}"
+        text = (
+            f"{name} {known[name]} -> {value}"
+            if rival == name
+            else f"{value} is {rival} and {name}"
+        )
+        if self.new.get((enum, old)) == new:
+            verdict.add(ACCEPTED, text)
+            return True
+        # Upstream gave values of the drop-in dialects other names, which the union has.
+        is_drop_in = self.drop_in.enums.get(enum, {}).get(name) == value
+        if (enum, new) not in self.replaced and not is_drop_in:
+            verdict.add("enum values changed", text, Accepted(old, enum=enum, new=new))
+        return False
 
 
 def days_behind(sources: dict[str, definition_sources.Source], today: date) -> int:

@@ -21,12 +21,11 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import definition_sources
-from definition_sources import HISTORY, UNION
+from definition_sources import HISTORY, UNION, Accepted
 from definitions_check import Judge, Verdict, report
 from import_definitions import HEADER, OUTPUT, write_element
-from import_history import keep
-from mavwire._native import definition_union
-from mavwire.cli.dev._definition_facts import Facts, of_file
+from mavwire._native import DefinitionFile, definition_union
+from mavwire.cli.dev._definition_facts import Facts, messages_of, of_file, parsed
 from mavwire.dialects import _sources
 
 
@@ -92,6 +91,25 @@ def remove_held_back(root: ET.Element, facts: Facts) -> None:
     for enum in root.iterfind("enums/enum"):
         entries = facts.enums[enum.get("name", "")]
         enum[:] = [one for one in enum if one.tag != "entry" or one.get("name") in entries]
+
+
+def keep(old: str, union: Facts, accepted: list[Accepted]) -> None:
+    """Add the layouts to the history that the old text of the union has, and the union does not have any more."""
+    text = HISTORY.read_text(encoding="utf-8")
+    history = messages_of(*json.loads(DefinitionFile("history", text).parse()))
+    known = {(id_, message.crc_extra) for id_, message in [*history, *union.messages.items()]}
+    before = parsed(DefinitionFile("upstream", old).parse()).messages
+    reasons = {(one.id, one.old): one.reason.replace("--", "-") for one in accepted}
+    lines: list[str] = []
+    for message in ET.fromstring(old).iter("message"):
+        id_ = int(message.get("id", ""))
+        key = id_, before[id_].crc_extra
+        if key not in known:
+            lines.append(f"    <!-- CRC_EXTRA {key[1]}, replaced: {reasons.get(key, '')} -->")
+            write_element(message, 2, lines)
+    head, end, tail = text.rpartition("  </messages>")
+    added = "".join(f"{line}\n" for line in lines)
+    HISTORY.write_text(head + added + end + tail, encoding="utf-8", newline="\n")
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -9,15 +9,13 @@ import subprocess
 from datetime import date
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import definition_sources
-import import_history
 import pytest
-from mavwire._native import DefinitionFile, crc_extra
+from mavwire._native import DefinitionFile
+from mavwire.cli.dev._definition_facts import definition_files, messages_of
 
 DEFINITIONS = definition_sources.DEFINITIONS
-SEED = crc_extra("SAMPLE", [("float", "b", 4), ("uint8_t", "a", 0)])
 UPSTREAMS = {"ArduPilot/mavlink": "ardupilot", "mavlink/mavlink": "mavlink"}
 
 
@@ -30,10 +28,10 @@ def test_digests_are_those_of_the_files() -> None:
 
 
 def test_headers_name_the_tool_that_wrote_the_file() -> None:
-    tools = {"upstream.xml": "union_definitions", "history.xml": "import_history"}
+    tools = {"v1.0": "import_definitions", "upstream": "union_definitions"}
     for path in DEFINITIONS.glob("*/*.xml"):
         head = path.read_text(encoding="utf-8").splitlines()[1]
-        tool = tools.get(path.name, "import_definitions")
+        tool = tools[path.parent.name]
         assert head.endswith(f"Written by tools/{tool}.py. -->"), path
 
 
@@ -100,65 +98,10 @@ def test_a_source_is_replaced_and_others_stay(tmp_path: Path) -> None:
 
 
 def test_seeds_in_comments_of_the_history_are_those_of_the_layouts() -> None:
-    text = import_history.HISTORY.read_text(encoding="utf-8")
+    text = definition_sources.HISTORY.read_text(encoding="utf-8")
     _, layouts = json.loads(DefinitionFile("history", text).parse())
     seeds = [int(seed) for seed in re.findall(r"<!-- CRC_EXTRA (\d+), ", text)]
     assert seeds == [layout["crc_extra"] for layout in layouts]
-
-
-def row(**changes: Any) -> dict[str, Any]:
-    """A line of history.json that is kept."""
-    return {
-        "id": 300,
-        "name": "SAMPLE",
-        "crc_extra": 90,
-        "first_commit": "2015-01-01",
-        "last_commit": "2016-01-01",
-        "files": ["common.xml"],
-        "fields": [["a", "uint8_t"], ["b", "float", 4], ["c", "char", "ext"]],
-    } | changes
-
-
-@pytest.mark.parametrize(
-    ("changes", "kept"),
-    [
-        ({}, True),
-        ({"last_commit": "2011-08-31", "first_commit": "2011-01-01"}, False),
-        ({"last_commit": "2017-06-21", "first_commit": "2011-01-01"}, False),
-        ({"last_commit": "2015-01-14"}, False),
-        ({"last_commit": "2015-01-15"}, True),
-        ({"files": ["test.xml"]}, False),
-        ({"files": ["test.xml", "common.xml"]}, True),
-        ({"id": 301}, False),
-        ({"fields": [["a", "double", 32]]}, False),
-    ],
-)
-def test_layouts_that_logs_may_hold_are_kept(changes: dict[str, Any], kept: bool) -> None:
-    assert import_history.is_kept(row(**changes), {300: 91, 301: 90}) == kept
-
-
-def test_the_history_is_written_with_fields_and_times(tmp_path: Path) -> None:
-    rows = [row(), row(id=299, crc_extra=90, last_commit="2015-01-02")]
-    (tmp_path / "in.json").write_text(json.dumps(rows))
-    output = tmp_path / "history.xml"
-    arguments = [str(tmp_path / "in.json"), "--output", str(output)]
-    assert import_history.main(arguments) == 1 and not output.exists()
-    rows[0]["crc_extra"] = SEED
-    (tmp_path / "in.json").write_text(json.dumps(rows))
-    assert import_history.main(arguments) == 0
-    lines = [line.strip() for line in output.read_text().splitlines()]
-    assert lines[4:] == [
-        f"<!-- CRC_EXTRA {SEED}, 2015-01-01 to 2016-01-01, common.xml -->",
-        '<message id="300" name="SAMPLE">',
-        "<description/>",
-        '<field type="uint8_t" name="a"/>',
-        '<field type="float[4]" name="b"/>',
-        "<extensions/>",
-        '<field type="char" name="c"/>',
-        "</message>",
-        "</messages>",
-        "</mavlink>",
-    ]
 
 
 @pytest.mark.skipif(
@@ -167,9 +110,16 @@ def test_the_history_is_written_with_fields_and_times(tmp_path: Path) -> None:
 def test_every_layout_of_both_upstreams_is_known_with_its_fields() -> None:
     """Also those of messages whose id another file uses too."""
     folder = Path(os.environ["MAVWIRE_UPSTREAM"])
-    today = import_history.layouts_of_today([folder / name for name in UPSTREAMS.values()])
-    known = import_history.layouts_of_today([import_history.HISTORY.parent])
+    today = layouts(*(folder / name for name in UPSTREAMS.values()))
+    known = layouts(DEFINITIONS / "upstream")
     assert len(today) > 400
-    for key, layout in today.items():
-        fields = layout["fields"]
-        assert known[key] | {"fields": known[key]["fields"][: len(fields)]} == layout
+    for key, fields in today.items():
+        assert known[key][: len(fields)] == fields
+
+
+def layouts(*folders: Path) -> dict[tuple[int, str, int], list[tuple[str, str, bool]]]:
+    """The fields of each layout by id, name and CRC_EXTRA."""
+    files = (path for folder in folders for path in definition_files(folder))
+    texts = (DefinitionFile(str(one), one.read_text("utf-8-sig")).parse() for one in files)
+    rows = (row for text in texts for row in messages_of(*json.loads(text)))
+    return {(id_, *message.key): message.wire for id_, message in rows}

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import definition_sources
 import definitions_check
-import import_history
 import mavwire
 import pytest
 import union_definitions
@@ -92,7 +91,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("UNION", "HISTORY", "SOURCES"):
         path: Path = getattr(definition_sources, name)
         shutil.copy(path, tmp_path / path.name)
-        for module in (definition_sources, definitions_check, import_history, union_definitions):
+        for module in (definition_sources, definitions_check, union_definitions):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, tmp_path / path.name)
     monkeypatch.setattr(definition_sources, "DEFINITIONS", tmp_path)

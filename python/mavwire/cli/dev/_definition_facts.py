@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,16 +51,23 @@ def parsed(text: str) -> Facts:
     """The facts of what `DefinitionFile.parse` gives."""
     definitions, layouts = json.loads(text)
     facts = Facts(includes=[Path(name).stem for name in definitions["includes"]])
-    for message, layout in zip(definitions["messages"], layouts, strict=True):
-        wire = [(row["name"], _type(row), row["is_extension"]) for row in message["fields"]]
-        fields = {row["name"]: _described(row) for row in message["fields"]}
-        name = message["name"].upper()
-        facts.messages[message["id"]] = Message(name, layout["crc_extra"], fields, wire)
+    facts.messages.update(messages_of(definitions, layouts))
     for enum in definitions["enums"]:
         entries = facts.enums.setdefault(enum["name"], {})
         for entry in enum["entries"]:
             entries[entry["name"]] = entry["value"]
     return facts
+
+
+def messages_of(
+    definitions: dict[str, Any], layouts: list[dict[str, Any]]
+) -> Iterator[tuple[int, Message]]:
+    """The messages of decoded facts with their ids, which a history has several times."""
+    for message, layout in zip(definitions["messages"], layouts, strict=True):
+        wire = [(row["name"], _type(row), row["is_extension"]) for row in message["fields"]]
+        fields = {row["name"]: _described(row) for row in message["fields"]}
+        name = message["name"].upper()
+        yield message["id"], Message(name, layout["crc_extra"], fields, wire)
 
 
 def of_file(path: Path) -> Facts:
