@@ -43,7 +43,6 @@ PAUSE = 0.5
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """The options."""
     # fmt: off
     add = parser.add_argument
     link: dict[str, Any] = {"metavar": "ENDPOINT", "action": "append", "default": []}

@@ -34,7 +34,6 @@ BATCH_BYTES = 32 << 10
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """The options."""
     parser.add_argument("log", metavar="LOG", help="a telemetry log")
     parser.add_argument(
         "--out", metavar="ENDPOINT", action="append",

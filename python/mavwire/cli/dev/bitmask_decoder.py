@@ -12,14 +12,12 @@ from mavwire.cli._reading import definitions
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavlink_bitmask_decoder.py's arguments."""
     parser.add_argument("message", help="such as SYS_STATUS")
     parser.add_argument("field", help="such as onboard_control_sensors_health")
     parser.add_argument("value", type=int, help="a decimal number")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     from mavwire import mavutil
 
     with definitions():

@@ -14,7 +14,6 @@ from mavwire.generator.mavparse import PROTOCOL_1_0, PROTOCOL_2_0, MAVParseError
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """The options of pymavlink's mavgen.py."""
     parser.add_argument("definitions", metavar="XML", nargs="+", help="MAVLink definition files")
     parser.add_argument(
         "-o", "--output", default="mavlink", help="module to write [default: %(default)s]"

@@ -24,7 +24,6 @@ MOST_SHEBANG = 120
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.add_argument(
         "folder", metavar="DIR", nargs="?", help="(default: the environment's folder of scripts)"
     )

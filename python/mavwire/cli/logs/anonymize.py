@@ -15,7 +15,6 @@ from mavwire.cli.logs._rewriting import add_common, run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     add_common(parser)
     parser.add_argument(
         "--shift",
@@ -25,7 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand."""
     from mavwire.logs.rewriting import anonymize
 
     work = partial(anonymize, args.log, args.out, shift=_shift(args.shift), dialect=args.dialect)

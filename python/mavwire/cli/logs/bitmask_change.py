@@ -13,7 +13,6 @@ from mavwire.cli._times import local_stamp
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavbitmask_change.py's arguments."""
     parser.add_argument("log", metavar="LOG", help="telemetry log")
     parser.add_argument(
         "fields", metavar="MSG.FIELD", nargs="+", help="such as HEARTBEAT.base_mode"
@@ -21,7 +20,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     return show_changes("bitmask_change", args.log, args.fields)
 
 

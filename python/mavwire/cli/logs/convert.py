@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     from mavwire.logs.formats import COMPRESSIONS
 
     parser.add_argument(

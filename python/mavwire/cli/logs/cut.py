@@ -14,13 +14,11 @@ from mavwire.cli.logs._rewriting import add_common, run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     add_common(parser)
     add_shared(parser, "types", "systems", "start", "end")
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand."""
     from mavwire.logs.rewriting import cut
 
     work = partial(

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Options of the subcommand: mavlogdump's."""
     add = parser.add_argument
     add("log", metavar="LOG", help="telemetry or dataflash log, or a link; - for standard input")
     _add_input(parser.add_argument_group("reading"))
@@ -89,7 +88,6 @@ def _add_output(group: Any) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     writer = Writer()
     name = STANDARD_INPUT if args.log == "-" else args.log
     with ExitStack() as stack:

@@ -27,7 +27,6 @@ VEHICLE = "Ardu"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavextract.py's options."""
     add_shared(parser, "logs", "condition", "no_timestamps", "robust")
     parser.add_argument(
         "--mode", default="auto", help="flight mode, or several with commas (default: %(default)s)"
@@ -36,7 +35,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
 
     def extract(log: Reading) -> None:
         with ExitStack() as stack:

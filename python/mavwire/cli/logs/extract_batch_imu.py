@@ -27,13 +27,11 @@ LAST_TIME = 2**64 - 1
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """extract_batch_imu.py's options."""
     parser.add_argument("inlog", help="dataflash log")
     parser.add_argument("outlog", help="dataflash log to write")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     print(f"Processing log {args.inlog}")
     types: dict[tuple[int, int], int] = {}
     count = 0

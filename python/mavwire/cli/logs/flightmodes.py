@@ -13,12 +13,10 @@ UNKNOWN = "UNKNOWN"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavflightmodes.py's options."""
     add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     read_each("flightmodes", args, _print_modes)
     return 0
 

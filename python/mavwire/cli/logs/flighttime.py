@@ -15,7 +15,6 @@ TYPES = ("GPS_RAW_INT", "GPS")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavflighttime.py's options."""
     add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--groundspeed", type=float, default=3.0,
@@ -24,7 +23,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
 
     def read(log: Reading) -> Flight:
         flight = Flight(args.groundspeed)

@@ -23,13 +23,11 @@ LARGEST = 64 << 20
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavftpdecode.py's options."""
     add_shared(parser, "logs")
     parser.add_argument("--save", metavar="FOLDER", help="write the files into this folder")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     if args.save:
         os.makedirs(args.save, exist_ok=True)
     read_each("ftpdecode", args, lambda log: _decode(log, args.save), title="")

@@ -26,12 +26,10 @@ Position = tuple[float, float, float]
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavgps_CEP.py's options."""
     add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     found: dict[tuple[int, int, int], list[Position]] = defaultdict(list)
 
     def read(log: Reading) -> None:

@@ -15,12 +15,10 @@ FIX_2D = 2
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavgpslock.py's options."""
     add_shared(parser, "logs", "condition")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     seconds = sum(read_each("gpslock", args, lambda log: _locked(log, args.condition)))
     print(f"Total time locked: {minutes(seconds)}")
     return 0

@@ -211,7 +211,6 @@ def table(summary: Summary) -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.description = "Types, rates, senders, time range, losses and bad bytes of logs."
     parser.add_argument(
         "logs",

@@ -20,7 +20,6 @@ from mavwire.cli.logs._told_rows import tell_rows
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.add_argument(
         "logs", metavar="LOG", nargs="*", help="telemetry or dataflash log, also .gz and .zst"
     )

@@ -15,7 +15,6 @@ NAMES = ("Accel", "Gyro")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """isb_extract.py's options."""
     add_shared(parser, "logs", "condition")
 
 

@@ -17,7 +17,6 @@ BAD_CHECKSUM = "invalid MAVLink CRC"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavloss.py's options."""
     add_shared(parser, "logs")
     parser.add_argument("--condition", help="accepted; gaps are only seen if all are counted")
     add_shared(parser, "no_timestamps", "planner", "robust", "dialect")
@@ -27,7 +26,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
 
     def tell(log: Reading) -> None:
         require_telemetry(log)

@@ -19,7 +19,6 @@ from mavwire.dialects import UPSTREAM
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavmerge.py's options."""
     parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log, also .gz and .zst")
     parser.add_argument("-o", "--output", metavar="FILE", help="write the records to a log")
     parser.add_argument(
@@ -29,7 +28,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     if args.exact:
         return _merge_exactly(args)
     with definitions(UPSTREAM, "2.0"), ExitStack() as stack:

@@ -28,12 +28,10 @@ OTHER = "OTHER"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavmsgstats.py's options."""
     add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
 
     def tell(log: Reading) -> None:
         print("\n".join(_table(_sizes(log))))

@@ -14,12 +14,10 @@ from mavwire.cli.logs._rewriting import add_common, run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     add_common(parser)
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand."""
     from mavwire.logs.rewriting import repair
 
     return run(

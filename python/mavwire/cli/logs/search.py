@@ -10,7 +10,6 @@ from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavsearch.py's options."""
     add_shared(parser, "logs", "condition", "types")
     parser.add_argument(
         "--stop", action="store_true", help="of each log, no more than the first of these types"
@@ -21,7 +20,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     read_each("search", args, lambda log: _search(log, args), title="Loading {} ...")
     return 0
 

@@ -10,11 +10,9 @@ FIELDS = ("present", "enabled", "health")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavsensor_status_change.py's argument."""
     parser.add_argument("log", metavar="LOG", help="telemetry log")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     fields = [f"SYS_STATUS.onboard_control_sensors_{name}" for name in FIELDS]
     return show_changes("sensor_status_change", args.log, fields)

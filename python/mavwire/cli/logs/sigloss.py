@@ -11,7 +11,6 @@ from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavsigloss.py's options."""
     add_shared(parser, "logs", "no_timestamps", "planner", "robust")
     parser.add_argument(
         "--deltat", type=float, default=1.0, help="seconds of silence (default: %(default)s)"
@@ -20,7 +19,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     read_each("sigloss", args, lambda log: _tell_losses(log, args))
     return 0
 

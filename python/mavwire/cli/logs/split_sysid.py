@@ -14,12 +14,10 @@ from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavsplit_sysid.py's options."""
     add_shared(parser, "logs", "no_timestamps", "condition", "types")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     read_each("split_sysid", args, lambda log: _split(log, args), title="Processing {}")
     return 0
 

@@ -28,7 +28,6 @@ FETCHED = 10_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.add_argument("query", metavar="QUERY", help="a SELECT; - reads it from standard input")
     parser.add_argument("logs", metavar="LOG", nargs="*", help="telemetry or dataflash log")
     parser.add_argument("-o", "--out", metavar="FILE", help=f"a file: {', '.join(FILES)}")

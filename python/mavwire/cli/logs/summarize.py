@@ -20,12 +20,10 @@ EARLIEST = 1_230_768_000
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavsummarize.py's options."""
     add_shared(parser, "logs", "condition", "no_timestamps", "dialect")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
 
     def tell(log: Reading) -> Summary | None:
         summary = summarise(log, args.condition)

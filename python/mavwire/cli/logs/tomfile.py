@@ -21,14 +21,12 @@ INTEGERS = frozenset(("uint8_t", "int8_t", "uint16_t", "int16_t", "uint32_t", "i
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavtomfile.py's options."""
     add_shared(parser, "logs", "condition", "dialect")
     parser.add_argument("-o", "--output", metavar="FILE", help="(default: the log's name with .m)")
     add_shared(parser, "types")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     if args.output and len(args.logs) > 1:
         raise CommandError("--output takes one log; without it each has a file of its own")
 

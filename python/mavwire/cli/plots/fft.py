@@ -17,7 +17,6 @@ AXES = ("X", "Y", "Z")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavfft.py's options."""
     add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--sample-length", type=int, default=0, help="samples of each FFT (default: all at once)"
@@ -26,7 +25,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     if args.sample_length < 0:
         raise CommandError("--sample-length is a number of samples, or 0 for all")
     figures = open_figures(args.image)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavfft_int.py's options."""
     add_shared(parser, "logs", "condition")
     add = parser.add_argument
     add("--from", dest="start", type=float, help="select from this many seconds after boot")
@@ -27,7 +26,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     figures = open_figures(args.image)
     samples: dict[str, Samples] = {}
     read_each("fft_int", args, lambda log: read_samples(log, samples, args.condition))

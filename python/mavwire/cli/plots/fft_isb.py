@@ -20,7 +20,6 @@ UNITS = {
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavfft_isb.py's options."""
     add_shared(parser, "logs", "condition")
     add = parser.add_argument
     add("--scale", choices=("db", "linear"), default="db", help="(default: %(default)s)")
@@ -35,7 +34,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     axes = args.axis.upper()
     if not axes or set(axes) - set(AXES):
         raise CommandError(f"--axis {args.axis}: some of {AXES}")

@@ -19,7 +19,6 @@ RATES = range(4, 100_001)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavfft_pid.py's options."""
     add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--sample-rate", type=int, default=400, metavar="HZ",
@@ -29,7 +28,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     rate = args.sample_rate
     if rate not in RATES:
         raise CommandError(f"--sample-rate is {RATES.start} to {RATES.stop - 1} Hz, not {rate}")

@@ -26,7 +26,6 @@ VEHICLES = ("ardupilot", "px4", "apm")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavgraph.py's options."""
     parser.add_argument(
         "what", metavar="LOG or EXPR", nargs="+", help="logs, and what to draw of them"
     )
@@ -47,7 +46,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     logs = [one for one in args.what if is_log(one)]
     fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)

@@ -39,7 +39,6 @@ class Line:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavkml.py's options."""
     add_shared(parser, "logs", "no_timestamps", "condition")
     add = parser.add_argument
     add("--aoff", type=float, default=0.0, help="metres to add to the altitude")
@@ -52,7 +51,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     refuse_log(args.output, args.logs)
     of_each = read_each("kml", args, lambda log: _lines(log, args), title="Processing {}")
     lines = list(chain.from_iterable(of_each))

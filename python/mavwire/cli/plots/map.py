@@ -14,7 +14,6 @@ from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     add_shared(parser, "log")
     parser.add_argument("-o", "--out", required=True, metavar="FILE", help=".html, .kml or .gpx")
     add_shared(parser, "system", "any_dialect")
@@ -22,7 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand."""
     from mavwire import plots
 
     refuse_log(args.out, [args.log], "--out")

@@ -22,7 +22,6 @@ PACKED = (".gz", ".zst")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.add_argument(
         "what",
         metavar="LOG or EXPR",
@@ -54,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand."""
     from mavwire import plots
 
     logs = [one for one in args.what if is_log(one)]

@@ -31,14 +31,12 @@ FOOTER = "</trkseg>\n</trk>\n</gpx>\n"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavtogpx.py's options."""
     add_shared(parser, "logs", "condition")
     parser.add_argument("--nofixcheck", action="store_true", help="positions without a fix as well")
     parser.add_argument("--type", nargs="*", dest="types", help="message types to take it from")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     for path in args.logs:
         refuse_log(f"{path}.gpx", args.logs, option="")
     read_each("togpx", args, lambda log: _write(log, args), title="")

@@ -27,7 +27,6 @@ HEARTBEAT_TIMEOUT = 10.0
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Options of the subcommand."""
     parser.add_argument("log", metavar="LOG", help="telemetry log, or a link")
     add_shared(parser, "event_definitions")
     parser.add_argument("--save", metavar="FILE", help="write the vehicle's definitions to a file")
@@ -37,7 +36,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     is_link = not os.path.isfile(args.log)
     if args.save and not is_link:
         raise CommandError("--save: a log has no definitions; give a link to the vehicle")

@@ -9,13 +9,11 @@ from mavwire.cli._errors import refused
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """extract_parms.py's options."""
     parser.add_argument("defaults", help="file with the defaults")
     parser.add_argument("params", help="file with parameters; those without a default are left out")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     with refused(ValueError):
         files = [read_parameter_file(path) for path in (args.defaults, args.params)]
         for file in files:

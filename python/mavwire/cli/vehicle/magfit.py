@@ -29,7 +29,6 @@ Points = list[tuple[float, ...]]
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """magfit.py's options."""
     add_shared(parser, "logs", "no_timestamps", "condition")
     add = parser.add_argument
     add("--noise", type=float, default=0.0, help="noise to add, to see how good the fit is")
@@ -40,7 +39,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     try:
         import numpy as np
     except ImportError as error:

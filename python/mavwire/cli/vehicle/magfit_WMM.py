@@ -27,7 +27,6 @@ FIX_3D = 3
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """magfit_WMM.py's options."""
     add = parser.add_argument
     add("log", metavar="LOG", help="dataflash log")
     add_shared(parser, "condition")
@@ -52,7 +51,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     try:
         import numpy as np
     except ImportError as error:

@@ -20,7 +20,6 @@ GLOBAL_RELATIVE = 3
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavmission.py's options."""
     add_shared(parser, "logs")
     parser.add_argument("--output", default="mission.txt", help="(default: %(default)s)")
 

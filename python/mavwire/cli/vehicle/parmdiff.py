@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavparmdiff.py's options."""
     add = parser.add_argument
     add("file1", metavar="FILE1", help="parameter file")
     add("file2", metavar="FILE2", help="parameter file")
@@ -41,7 +40,6 @@ def _documents(args: Namespace) -> ParameterDocs:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     value_info = _documents(args).meaning if args.param_docs else None
     excluded = () if args.full_diff else EXCLUDED
     with refused(ValueError):

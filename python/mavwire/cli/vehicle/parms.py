@@ -16,14 +16,12 @@ QGC_TYPE = 9
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavparms.py's options."""
     add_shared(parser, "logs")
     parser.add_argument("-c", "--changes", action="store_true", help="show only the changes")
     parser.add_argument("--qgc", action="store_true", help="write QGroundControl's format")
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     values: dict[str, float] = {}
     read_each("parms", args, lambda log: _read(log, values, args.changes), title="")
     if args.qgc:

@@ -32,7 +32,6 @@ LONGEST_WAIT = 0.1
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """mavplayback.py's options."""
     parser.add_argument("log", metavar="LOG", help="telemetry log")
     add_shared(parser, "planner", "condition")
     add = parser.add_argument
@@ -46,7 +45,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand."""
     from mavwire.cli.vehicle._player import Flight, Player
 
     protocol = "1.0" if args.mav10 else None

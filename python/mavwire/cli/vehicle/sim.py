@@ -29,7 +29,6 @@ MAX_COUNT = 200
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """The options."""
     # fmt: off
     add = parser.add_argument_group("the vehicles").add_argument
     add(
