@@ -17,7 +17,7 @@ PROGRESS_INTERVAL = 0.1
 
 
 class Progress:
-    """Shows how much of a file is read. `enabled=False` keeps it silent."""
+    """Shows how much of a file is read, until a `with` block ends. `enabled=False` keeps it silent."""
 
     def __init__(self, name: str, enabled: bool = True) -> None:
         self.name = printable(name)
@@ -47,7 +47,14 @@ class Progress:
             label = {} if name is None else {"description": self._escape(self.name)}
             self._bar.update(self._task, completed=percent, **label)
 
-    def finish(self) -> None:
+    def update_bytes(self, read: int, size: int) -> None:
+        """Draw the bar for the bytes that were read of a file."""
+        self.update(min(100.0, 100.0 * read / max(size, 1)))
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
         """Wipe the bar."""
         if self._bar is not None:
             self._bar.stop()

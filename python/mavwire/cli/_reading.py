@@ -273,8 +273,7 @@ def reading(
     from mavwire.cli._foreign import warn_if_foreign
 
     name = name or path
-    progress = Progress(os.path.basename(name), show_progress)
-    try:
+    with Progress(os.path.basename(name), show_progress) as progress:
         with opening(path, name):
             link = first_try() or _log_link.open_link(
                 path, progress_callback=progress.update, **options
@@ -293,8 +292,6 @@ def reading(
             raise CommandError(f"{name}: a row without a time or a cell: {error}") from error
         finally:
             link.close()
-    finally:
-        progress.finish()
     if not options.get("notimestamps"):
         warn_if_foreign(command, path, name, log.unknown, is_indexed=log.used_index)
 

@@ -440,9 +440,8 @@ def test_progress_by_rich_where_it_is_installed(monkeypatch: pytest.MonkeyPatch)
         monkeypatch.setitem(sys.modules, name, module)
     monkeypatch.setattr(sys, "stderr", Terminal())
     monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
-    bar = _progress.Progress("a[/b].tlog")
-    bar.update(25.0)
-    bar.finish()
+    with _progress.Progress("a[/b].tlog") as bar:
+        bar.update(25.0)
     assert calls == [("no markup: a[/b].tlog", 100), "start", (7, 25.0), "stop"]
 
 
@@ -454,9 +453,8 @@ def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch, name: str) -> None
     monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
     for key, value in (("TERM", "xterm"), ("COLUMNS", "120")):
         monkeypatch.setenv(key, value)
-    bar = _progress.Progress(name)
-    bar.update(25.0)
-    bar.finish()
+    with _progress.Progress(name) as bar:
+        bar.update(25.0)
     drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", terminal.getvalue())
     assert name in drawn
 
@@ -470,12 +468,10 @@ def test_what_is_printed_beside_a_bar(to_file: bool, monkeypatch: pytest.MonkeyP
         monkeypatch.setattr(sys, name, stream)
     monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
     monkeypatch.setenv("TERM", "xterm")
-    with guarded_output():
-        bar = _progress.Progress("a\x1b]0;pwned\x07.tlog")
+    with guarded_output(), _progress.Progress("a\x1b]0;pwned\x07.tlog") as bar:
         bar.update(25.0)
         print("\x1b]0;row\x07")
         print("\x1b]0;error\x07", file=sys.stderr)
-        bar.finish()
     assert {"stdout": sys.stdout, "stderr": sys.stderr} == streams
     assert file.getvalue() == ("\x1b]0;row\x07\n" if to_file else "")
     drawn = screen.getvalue()
@@ -491,13 +487,14 @@ def test_two_bars_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(sys, name, screen)
     monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
     monkeypatch.setenv("TERM", "xterm")
-    with guarded_output():
-        bars = [_progress.Progress(name) for name in ("a.tlog", "b.tlog")]
-        for bar in bars:
-            bar.update(25.0)
+    with (
+        guarded_output(),
+        _progress.Progress("a.tlog") as first,
+        _progress.Progress("b.tlog") as second,
+    ):
+        first.update(25.0)
+        second.update(25.0)
         print("\x1b]0;row\x07")
-        for bar in reversed(bars):
-            bar.finish()
     assert screen.getvalue().count("\\x1b") == 1
     assert "\x1b]0" not in screen.getvalue()
 

@@ -31,12 +31,9 @@ def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewr
     if args.out == "-":
         raise CommandError("--out is a file, not standard output: ./- is a file of that name")
     size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
-    bar = Progress(args.out, enabled=not args.quiet)
-    try:
-        with refused(ValueError, ImportError), ended_in_order():
-            done = work(progress=lambda read: bar.update(min(100.0, 100.0 * read / max(size, 1))))
-    finally:
-        bar.finish()
+    refusing, bar = refused(ValueError, ImportError), Progress(args.out, enabled=not args.quiet)
+    with bar, refusing, ended_in_order():
+        done = work(progress=lambda read: bar.update_bytes(read, size))
     if not done.records:
         for log in logs:
             warn_without_records(command, log, args.dialect)

@@ -62,12 +62,8 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
     given = ("format", "compression", "csv_safe")
     options = {**{name: getattr(args, name) for name in given}, **query_of(args)}
-    bar = Progress("", enabled=not args.quiet)
-    try:
-        with refused(ValueError), ended_in_order():
-            rows = _convert(args, options, bar)
-    finally:
-        bar.finish()
+    with Progress("", enabled=not args.quiet) as bar, refused(ValueError), ended_in_order():
+        rows = _convert(args, options, bar)
     for problem in (undescribed := _undescribed(rows, options["types"] or [])):
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)

@@ -263,12 +263,9 @@ def read(path: str, dialect: Dialects = UPSTREAM, name: str | None = None) -> Su
         raise ValueError("not a log file") if os.path.exists(path) else no_such_log(path)
     log = open_log(path, dialect=dialect)
     size = os.path.getsize(path)
-    progress = Progress(path)
     began = time.perf_counter()
-    try:
-        info = log.info(lambda read: progress.update(min(100.0, 100.0 * read / max(size, 1))))
-    finally:
-        progress.finish()
+    with Progress(path) as progress:
+        info = log.info(lambda read: progress.update_bytes(read, size))
     info = replace(info, path=name or path)
     seconds, is_telemetry = time.perf_counter() - began, isinstance(log, TelemetryLog)
     return Summary(info, size, seconds, is_telemetry, getattr(log, "dialect", None))

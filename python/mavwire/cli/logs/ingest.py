@@ -49,22 +49,19 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError("name logs, or --compact to merge files")
     from mavwire import lake
 
-    bar = Progress("", enabled=not args.quiet)
-    try:
-        with refused(ValueError, ImportError), ended_in_order():
-            rows = lake.ingest(
-                args.logs,
-                args.out,
-                args.scheduler,
-                workers=args.workers,
-                partition=[one for one in args.partition.split(",") if one],
-                shard=_shard(args.shard),
-                progress=lambda done, logs: bar.update(100.0 * done / logs, f"{logs:,} logs"),
-                **query_of(args),
-            ) if args.logs else []  # fmt: skip
-            merged = lake.compact(args.out) if args.compact else {}
-    finally:
-        bar.finish()
+    refusing, bar = refused(ValueError, ImportError), Progress("", enabled=not args.quiet)
+    with bar, refusing, ended_in_order():
+        rows = lake.ingest(
+            args.logs,
+            args.out,
+            args.scheduler,
+            workers=args.workers,
+            partition=[one for one in args.partition.split(",") if one],
+            shard=_shard(args.shard),
+            progress=lambda done, logs: bar.update(100.0 * done / logs, f"{logs:,} logs"),
+            **query_of(args),
+        ) if args.logs else []  # fmt: skip
+        merged = lake.compact(args.out) if args.compact else {}
     new = [row for row in rows if row.error or not row.skipped]
     failed = tell_rows("ingest", "added", new, args)
     if len(new) < len(rows) and not args.quiet:

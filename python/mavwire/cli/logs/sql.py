@@ -70,21 +70,20 @@ def _load(database: Any, query: str, args: argparse.Namespace) -> bool:
     from mavwire.logs.reading import scan
 
     options = {**values_of(args), "unknown": "ignore"}
-    bar, failed = Progress(""), False
-    for table, (paths, name) in _tables(database, query, args.logs).items():
-        is_made = False
-        for number, path in enumerate(paths):
-            bar.update(100 * number / len(paths), f"{name} of {path}")
-            try:
-                _add(database, table, path, scan(path, name, **options))
-                is_made = True
-            except (OSError, ValueError) as error:
-                failed = True
-                tell(f"mavwire sql: {path}: {in_words(error, path)}")
-        if not is_made:
-            bar.finish()
-            raise CommandError(f"no log has a table {name}")
-    bar.finish()
+    failed = False
+    with Progress("") as bar:
+        for table, (paths, name) in _tables(database, query, args.logs).items():
+            is_made = False
+            for number, path in enumerate(paths):
+                bar.update(100 * number / len(paths), f"{name} of {path}")
+                try:
+                    _add(database, table, path, scan(path, name, **options))
+                    is_made = True
+                except (OSError, ValueError) as error:
+                    failed = True
+                    tell(f"mavwire sql: {path}: {in_words(error, path)}")
+            if not is_made:
+                raise CommandError(f"no log has a table {name}")
     return failed
 
 
