@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 from collections.abc import Callable, Generator
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import Any, TypedDict, Unpack
 
 from mavwire.dialects import UPSTREAM
 from mavwire.links import state
@@ -14,9 +14,6 @@ from mavwire.links.connection import CLIENTS
 from .background import close_in_background, in_background
 from .feed import check_backlog
 from .link import BACKLOG, Link
-
-if TYPE_CHECKING:
-    from typing import Unpack
 
 DEFAULT_RETRIES = 3
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from mavwire.links.signing_time import UNITS_PER_SECOND
 
 from .checks import content, flag, seconds, whole
 from .errors import ConfigError
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from typing import Any
 
 KEY_LENGTH = 32
 MAX_KEY_FILE = 1024

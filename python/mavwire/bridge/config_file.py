@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from mavwire.dialects import UPSTREAM
 
@@ -14,11 +16,6 @@ from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
 from .sidecars import Listen, SinkOptions, listen_from, sink_from
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import Any
 
 # No configuration is longer; a path that leads to something else by mistake is not read whole.
 MAX_SIZE = 1 << 20

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 from mavwire._text import did_you_mean
 
@@ -12,11 +14,6 @@ from .checks import whole
 from .config import Config
 from .errors import ConfigError
 from .options import DEFAULT_BAUD, Endpoint, Recording
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
 
 DEFAULT_TCP_PORT = 5760
 FIRST_UDP_PORT = 14550

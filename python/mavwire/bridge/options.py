@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 from .border import (
     AUTOMATION_OPTIONS,
@@ -16,11 +18,6 @@ from .border import (
 )
 from .checks import flag, listed, only_known, rate, seconds, text, whole
 from .errors import ConfigError
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from typing import Any
 
 KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
 DEFAULT_BAUD = 115200

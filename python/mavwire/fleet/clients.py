@@ -6,16 +6,14 @@ import asyncio
 import logging
 import os
 import signal
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._signals import put_off
 from mavwire._text import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @contextmanager

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Iterable
+from typing import TypeVar
 
 from .places import is_url
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 TASK_BYTES = 128 << 20
 """Bytes of logs that are worth a task: less costs more to hand out than to do."""

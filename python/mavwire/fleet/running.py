@@ -7,8 +7,9 @@ manifest has is not done again.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
@@ -24,9 +25,6 @@ from .grouping import TASK_BYTES, check_at_least_1, group_bytes, grouped, may_be
 from .places import Part, expand, is_url, statuses
 from .stores import store_of
 from .tasks import Piece, Recipe, convert_pieces
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
 
 
 def to_parquet(

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._atomic_file import draft_of
 from mavwire.logs.store import Store, is_draft
 
 from .places import file_system, is_url
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
 
 OBJECT_STORES = frozenset(
     {"s3", "s3a", "gs", "gcs", "az", "abfs", "abfss", "adl", "oci", "ocilake", "oss", "memory"}

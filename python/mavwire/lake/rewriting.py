@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from mavwire._extras import extra
 from mavwire._native import LakeFile, RecordBatches
 
 from . import delta
 from .doing import FILE_BYTES, GROUP_ROWS, Written, finished
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 NUMBERS = ("byte", "short", "integer", "long", "float", "double")
 

@@ -10,16 +10,14 @@ import json
 import os
 import re
 import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .formats import FORMATS, ONE_FILE
 from .sources import file_status
 from .store import Files
 from .unknown import counts_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 MANIFEST = "manifest.json"
 VERSION = 2

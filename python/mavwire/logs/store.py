@@ -5,8 +5,9 @@ from __future__ import annotations
 import errno
 import os
 import re
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 try:
     import fcntl
@@ -16,9 +17,6 @@ except ImportError:  # Windows
 from mavwire._atomic_file import replacing
 
 from .formats import SUFFIXES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._native import log_summary
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 GAP_SECONDS = 5.0
 

@@ -8,19 +8,17 @@ damage, signing and MAVLink 1 are options.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 from .flight import Flight
 from .telemetry import GROUND_STATION, START_US, TICK, VEHICLE, Values
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator
-    from types import ModuleType
 
 
 @dataclass(frozen=True)
