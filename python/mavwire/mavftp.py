@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import sys
 
+from ._ftp import HEADER, MAX_PAYLOAD
 from ._ftp.cli import (
     auto_connect,
     auto_detect_serial,
@@ -25,7 +26,6 @@ from ._ftp.download import BURST_REPLY_SEQUENCE_WINDOW, MAX_READ_GAPS
 from ._ftp.params import ParamData
 from ._ftp.result import DirectoryEntry, FtpError, MAVFTPReturn
 from ._ftp.settings import MAVFTPSetting, MAVFTPSettings
-from ._ftp.wire import HEADER, MAX_PAYLOAD
 from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from .mavftp_op import *
 

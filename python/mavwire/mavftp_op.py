@@ -6,7 +6,7 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any
 
-from ._ftp.wire import HEADER as _HEADER
+from ._ftp import HEADER as _HEADER
 
 OP_None = 0
 OP_TerminateSession = 1

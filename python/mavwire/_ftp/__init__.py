@@ -6,5 +6,11 @@ The other end is not trusted: what it answers ends in no path, no unbounded memo
 from __future__ import annotations
 
 import logging
+import struct
 
 log = logging.getLogger("mavwire.mavftp")
+
+# Number, session, opcode, size, the request's opcode, burst complete, padding, offset; then data.
+HEADER = struct.Struct("<HBBBBBBI")
+# Bytes of data in a packet.
+MAX_PAYLOAD = 239

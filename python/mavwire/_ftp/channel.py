@@ -8,10 +8,9 @@ from typing import Any
 
 from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_Nack
 
-from . import log
+from . import HEADER, MAX_PAYLOAD, log
 from .result import LAST_REMOTE_ERROR, FtpError, MAVFTPReturn
 from .settings import MAVFTPSettings
-from .wire import HEADER, MAX_PAYLOAD
 
 # Opcode of a request -> how results name it.
 OPERATIONS = dict(

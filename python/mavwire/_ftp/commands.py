@@ -20,12 +20,11 @@ from mavwire.mavftp_op import (
     OP_ResetSessions,
 )
 
-from . import log
+from . import MAX_PAYLOAD, log
 from .channel import OPERATIONS, Channel, Pending, answers, decode_result
 from .listing import MAX_ENTRIES, InvalidEntry, parse_entries, split_entries, writable
 from .result import DirectoryEntry, FtpError, MAVFTPReturn
 from .settings import DEFAULTS, MAVFTPSettings
-from .wire import MAX_PAYLOAD
 
 POLL_SECONDS = 0.1
 

@@ -14,9 +14,9 @@ from typing import IO, Any
 
 from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_BurstReadFile, OP_OpenFileRO, OP_ReadFile
 
+from . import MAX_PAYLOAD
 from .channel import Channel, Pending, answers, decode_result
 from .result import FtpError, MAVFTPReturn
-from .wire import MAX_PAYLOAD
 
 MAX_READ_GAPS = 4096
 BURST_REPLY_SEQUENCE_WINDOW = 4096
@@ -31,8 +31,6 @@ class Download:
 
     `step` and `on_reply` return None while it goes on, and the result once it has ended.
     """
-
-    operation = OP_OpenFileRO
 
     def __init__(
         self,

@@ -7,9 +7,9 @@ from typing import IO, Any
 
 from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_CreateFile, OP_WriteFile
 
+from . import MAX_PAYLOAD
 from .channel import Channel, Pending, answers, decode_result
 from .result import FtpError, MAVFTPReturn
-from .wire import MAX_PAYLOAD
 
 MAX_RETRIES = 20
 
@@ -19,8 +19,6 @@ class Upload:
 
     `step` and `on_reply` return None while it goes on, and the result once it has ended.
     """
-
-    operation = OP_CreateFile
 
     def __init__(self, channel: Channel, path: bytes, source: IO[bytes]) -> None:
         self.channel = channel

@@ -6,8 +6,7 @@
 from __future__ import annotations
 
 from .bridge import Bridge, Kind
-from .config import Config
-from .config_file import load_config
+from .config_file import Config, load_config
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavwire.events import EventDefinitions
     from mavwire.logs.dialect import Dialects
 
-    from .config import Config
+    from .config_file import Config
     from .sinks import Sink
 
 

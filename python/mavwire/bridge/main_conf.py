@@ -11,7 +11,7 @@ from typing import Any
 from mavwire._text import did_you_mean
 
 from .checks import whole
-from .config import Config
+from .config_file import Config
 from .errors import ConfigError
 from .options import DEFAULT_BAUD, Endpoint, Recording
 

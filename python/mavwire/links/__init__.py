@@ -11,3 +11,10 @@ if TYPE_CHECKING:
 else:
     # For annotations alone. `typing` takes longer to load than all of mavutil.
     Any = Callable = object
+
+
+def warn(text: str, *arguments: object) -> None:
+    """Log a warning. `logging` loads with the first one."""
+    import logging
+
+    logging.getLogger("mavwire.mavutil").warning(text, *arguments)

@@ -6,7 +6,7 @@ import math
 import time
 
 from . import state
-from .recording import shown
+from .signing import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def dump_message_verbose(f: TextIO, m: Any) -> None:
     """Write `m` to `f` with one line per field, and one per bit of a bitmask."""
     stamp = getattr(m, "_timestamp", None)
     if stamp is not None:
-        f.write(f"{_local_time(stamp)}.{int(stamp * 100.0) % 100:02d}: ")
+        f.write(f"{local_stamp(stamp)}: ")
     signed = f"Yes; out-link={m.get_link_id()}" if m.get_signed() else "No"
     f.write(
         f"{m.get_type()} (id={m.get_header().msgId}) (seq={m.get_seq()})"
@@ -132,14 +132,20 @@ def _converted(value: Any, unit: str) -> str:
         return f" ({math.degrees(value)}deg/s)"
     if unit == "us" and value > MIN_UNIX_MICROSECONDS:
         seconds, microseconds = divmod(value, MICROSECONDS)
-        return f" ({_local_time(seconds)}.{microseconds:06d} {_written('%Z', seconds) or 'UTC'})"
+        return f" ({local_time(seconds)}.{microseconds:06d} {_written('%Z', seconds) or 'UTC'})"
     if unit == "us" and value > MICROSECONDS:
         return f" ({value / MICROSECONDS}s)"
     return ""
 
 
-def _local_time(unix_seconds: float) -> str:
+def local_time(unix_seconds: float) -> str:
+    """The time of the local clock for seconds since 1970."""
     return _written("%Y-%m-%d %H:%M:%S", unix_seconds) or f"{unix_seconds:.0f}s"
+
+
+def local_stamp(unix_seconds: float) -> str:
+    """The same with hundredths of a second."""
+    return f"{local_time(unix_seconds)}.{int(unix_seconds * 100.0) % 100:02d}"
 
 
 def _written(form: str, unix_seconds: float) -> str:

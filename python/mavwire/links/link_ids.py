@@ -11,8 +11,7 @@ from __future__ import annotations
 import os
 from _thread import RLock
 
-from . import Any
-from .warn import warn
+from . import Any, warn
 
 # The locked file of each id -> its descriptor, which is open until the process ends.
 _held: dict[str, int] = {}

@@ -12,17 +12,15 @@ import time
 from io import FileIO
 from time import monotonic
 
-from mavwire._native import Link, MAVLink, instance_dict
+from mavwire._native import Link, MAVLink, instance_dict, recordable
 
-from . import state
+from . import state, warn
 from .commands import Commands
 from .conditions import evaluate_condition
 from .readiness import wait_readable
-from .recording import recorded
 from .signing import Signing
 from .tracking import Tracking
 from .vehicle_state import SystemStates, mavfile_state, param_state
-from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -232,9 +230,12 @@ class mavfile(Link, Tracking, Commands, Signing):
         self.post_message(msg)
 
     def _record(self, msg: ReceivedMessage) -> None:
-        """Record a received message, if messages are recorded."""
+        """Record a received message, if messages are recorded: big-endian microseconds, low two bits
+        clear, and the frame without secrets.
+        """
         if self.logfile and msg.get_type() != "BAD_DATA":
-            self._log(self.logfile, recorded(time.time(), msg.get_msgbuf()))
+            stamp = int(time.time() * 1.0e6) & ~3
+            self._log(self.logfile, stamp.to_bytes(8, "big") + recordable(msg.get_msgbuf()))
 
     def _log(self, file: IO[bytes], data: bytes) -> None:
         """Write to a log; a failing log never stops reception."""

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import os
 
-from . import Any
-from .warn import warn
+from . import Any, warn
 
 mode_mapping_apm = {
     0: "MANUAL", 1: "CIRCLE", 2: "STABILIZE", 3: "TRAINING", 4: "ACRO", 5: "FBWA", 6: "FBWB",

@@ -9,11 +9,10 @@ from __future__ import annotations
 import errno
 from time import monotonic, sleep
 
-from . import Any
+from . import Any, warn
 from .readiness import wait_readable
 from .stream import StreamLink
 from .waiting import address_family, bind, prepare_tcp, set_close_on_exec
-from .warn import warn
 
 # A client that has sent no message for this long makes room when another one waits.
 CLIENT_SILENCE = 60.0

@@ -11,10 +11,9 @@ from time import monotonic
 
 from mavwire._native import Exclusive
 
-from . import Any
+from . import Any, warn
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
-from .warn import warn
 
 # Pauses between attempts double up to this many times the first one.
 MAX_BACKOFF = 16

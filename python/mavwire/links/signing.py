@@ -11,13 +11,18 @@ from _weakref import ref
 
 from mavwire._native import Signing as SigningState
 
-from . import Any, Callable, state
+from . import Any, Callable, state, warn
 from .link_ids import section
-from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .target import Target
-from .warn import warn
 
+# Timestamps count 10 us units since 2015-01-01 00:00 UTC.
+EPOCH = 1420070400
+UNITS_PER_SECOND = 100 * 1000
+MAX_TIMESTAMP = (1 << 48) - 1
 KEY_LEN = 32
+SECRET_FIELD = "secret_key"
+# The id of the message with that field, which a dialect may lack.
+SETUP_SIGNING = 256
 MAX_LINK_ID = 255
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
@@ -25,6 +30,11 @@ RADIO_MESSAGES = frozenset((109, 166))
 # The signing states that have a key.
 # Weak references without callbacks: an exception in a callback would be lost in a signal handler.
 _with_key: list[ref[Any]] = []
+
+
+def shown(field: str, value: Any) -> Any:
+    """The value of a field as texts show it: a key reads as 255 over and over."""
+    return [0xFF] * KEY_LEN if field == SECRET_FIELD else value
 
 
 def signing_timestamp(unix_seconds: float) -> int:

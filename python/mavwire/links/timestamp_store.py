@@ -17,12 +17,11 @@ from functools import partial
 from io import FileIO
 from time import monotonic
 
-from . import Any, Callable
-from .signing_time import MAX_TIMESTAMP
-from .warn import warn
+from . import Any, Callable, warn
+from .signing import MAX_TIMESTAMP, UNITS_PER_SECOND
 
 # How far ahead is stored: ten seconds. Restarting more often than that runs ahead of the clock.
-RESERVE = 10 * 100 * 1000
+RESERVE = 10 * UNITS_PER_SECOND
 # A timestamp and its checksum, which tells a whole slot from half of one.
 SLOT = 8 + 4
 # Where each slot begins: far enough apart for no write to touch both.

@@ -12,7 +12,7 @@ from time import monotonic
 
 from mavwire._native import MAVLink, Message, peer_to_replace
 
-from . import Any
+from . import Any, warn
 from .chunked import ChunkedLink
 from .names import look_up
 from .waiting import (
@@ -23,7 +23,6 @@ from .waiting import (
     set_close_on_exec,
     split_host_port,
 )
-from .warn import warn
 
 UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message.

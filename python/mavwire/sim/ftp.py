@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mavwire._ftp import MAX_PAYLOAD
 from mavwire._ftp.channel import padded, unpacked
-from mavwire._ftp.wire import MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.mavftp_op import FTP_OP
 

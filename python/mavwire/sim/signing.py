@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from mavwire.links.signing import check_key
-from mavwire.links.signing_time import EPOCH, UNITS_PER_SECOND
+from mavwire.links.signing import EPOCH, UNITS_PER_SECOND, check_key
 
 from .service import Handler, Service
 

@@ -408,10 +408,10 @@ def test_several_dialects_are_a_list(tmp_path: Path) -> None:
 
 @given(st.text(max_size=200))
 def test_any_text_is_a_configuration_or_a_clear_error(text: str) -> None:
-    from mavwire.bridge.config_file import _toml
+    from mavwire.bridge.config_file import _Toml
     from mavwire.bridge.main_conf import parse_main_conf
 
-    for parse in (_toml, parse_main_conf):
+    for parse in (lambda *given: _Toml(*given).config(), parse_main_conf):
         for body in (text, f"[General]\n{text}", f"[[link]]\n{text}", f"[UdpEndpoint a]\n{text}"):
             try:
                 parse("file", body)

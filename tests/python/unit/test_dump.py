@@ -24,9 +24,9 @@ from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
 from mavwire._text import guarded_output
 from mavwire.cli import _progress, _reading
-from mavwire.cli._times import local_time
 from mavwire.cli.logs import _dump_native
 from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.links.inspect_message import local_time
 from mavwire.links.readiness import wait_readable
 from unit.link_tools import heartbeat, record
 

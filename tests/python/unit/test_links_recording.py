@@ -7,9 +7,9 @@ import socket
 
 import pytest
 from mavwire import aio, cli, mavutil
+from mavwire._native import recordable
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import minimal
-from mavwire.links.recording import recordable
 from unit.aio_tools import eventually, run
 from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from mavwire._ftp import MAX_PAYLOAD
 from mavwire._ftp.channel import padded, unpacked
-from mavwire._ftp.wire import MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.mavftp_op import FTP_OP
 from mavwire.sim import Vehicle

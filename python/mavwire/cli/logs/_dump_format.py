@@ -10,8 +10,8 @@ from typing import Any
 from mavwire._log_link import kind_of
 from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._times import local_stamp
-from mavwire.links.recording import SETUP_SIGNING, shown
+from mavwire.links.inspect_message import local_stamp
+from mavwire.links.signing import SETUP_SIGNING, shown
 
 
 class Standard:

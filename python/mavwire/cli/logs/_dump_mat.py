@@ -16,7 +16,7 @@ from typing import Any
 from mavwire._extras import extra
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
-from mavwire.links.recording import shown
+from mavwire.links.signing import shown
 
 _MAX_NAME = 63
 

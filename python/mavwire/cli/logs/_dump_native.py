@@ -8,8 +8,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._times import local_time
 from mavwire.cli.logs._dump_format import Csv
+from mavwire.links.inspect_message import local_time
 
 if TYPE_CHECKING:
     from mavwire.cli._reading import Reading

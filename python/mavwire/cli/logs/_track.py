@@ -1,4 +1,4 @@
-"""The length of the way that GPS messages tell."""
+"""The length of the way that GPS messages tell, and how long it took."""
 
 from __future__ import annotations
 
@@ -8,6 +8,11 @@ from typing import Any
 from mavwire._sphere import great_circle
 
 FIX_3D = 3
+
+
+def minutes(seconds: int) -> str:
+    """`2:40`"""
+    return f"{seconds // 60}:{seconds % 60:02d}"
 
 
 class Track:

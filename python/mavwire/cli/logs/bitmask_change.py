@@ -9,7 +9,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._telemetry import require_telemetry
-from mavwire.cli._times import local_stamp
+from mavwire.links.inspect_message import local_stamp
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._times import minutes
-from mavwire.cli.logs._track import FIX_3D, Track
+from mavwire.cli.logs._track import FIX_3D, Track, minutes
 
 TYPES = ("GPS_RAW_INT", "GPS")
 

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._times import minutes
+from mavwire.cli.logs._track import minutes
 
 TYPES = ("GPS_RAW_INT", "GPS_RAW", "GPS")
 NO_GPS = 0

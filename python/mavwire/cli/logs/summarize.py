@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._times import local_time
 from mavwire.cli.logs._track import Track
+from mavwire.links.inspect_message import local_time
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
 # Bits of base_mode: MAV_MODE_FLAG_AUTO_ENABLED and MAV_MODE_FLAG_GUIDED_ENABLED.

@@ -13,7 +13,7 @@ from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.links.recording import shown
+from mavwire.links.signing import shown
 
 # How numbers are written: as double precision floats, of which those here are equal to the integer.
 FULL, SHORT = "%.20g", "%d"

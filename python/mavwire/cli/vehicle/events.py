@@ -18,10 +18,10 @@ from mavwire._atomic_file import replacing
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli._times import local_stamp
 from mavwire.component_metadata import Kind, fetch
 from mavwire.dialects import UPSTREAM
 from mavwire.events import EventDefinitions
+from mavwire.links.inspect_message import local_stamp
 
 HEARTBEAT_TIMEOUT = 10.0
 

@@ -20,7 +20,7 @@ from mavwire.cli._reading import Reading, definitions, link_options, reading
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import require_telemetry
 from mavwire.cli._values import factor
-from mavwire.links.recording import SETUP_SIGNING
+from mavwire.links.signing import SETUP_SIGNING
 
 if TYPE_CHECKING:
     from mavwire.cli.vehicle._player import Player
