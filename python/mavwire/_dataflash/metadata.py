@@ -7,23 +7,15 @@ from __future__ import annotations
 
 import os
 
+from mavwire.links.modes import VEHICLES, dot_pymavlink
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
     from xml.etree.ElementTree import Element
 
-VEHICLES = ("Rover", "Plane", "Tracker", "Blimp", "Copter", "Sub")
 BASE_URL = "https://autotest.ardupilot.org/LogMessages"
 DOWNLOAD_TIMEOUT_S = 30
-# MAV_TYPE -> vehicle.
-_VEHICLE_OF = {
-    **dict.fromkeys((2, 3, 4, 13, 14, 15, 29, 35), "Copter"),
-    **dict.fromkeys((1, 19, 20, 21), "Plane"),
-    **dict.fromkeys((10, 11), "Rover"),
-    5: "Tracker",
-    7: "Blimp",
-    12: "Sub",
-}
 
 
 class DFMetaData:
@@ -34,11 +26,7 @@ class DFMetaData:
         self.data: dict[str, Element] | None = None
         self.metadata_load_attempted = False
 
-    @staticmethod
-    def dot_pymavlink(*args: str) -> str:
-        """A path in the user's settings directory."""
-        home = os.environ.get("LOCALAPPDATA") if os.name == "nt" else None
-        return os.path.join(home or os.path.expanduser("~"), ".pymavlink", *args)
+    dot_pymavlink = staticmethod(dot_pymavlink)
 
     @staticmethod
     def download_url(url: str) -> bytes | None:
@@ -58,7 +46,7 @@ class DFMetaData:
         """Fetch the documentation of all vehicles."""
         directory = DFMetaData.dot_pymavlink("LogMessages")
         os.makedirs(directory, exist_ok=True)
-        for vehicle in VEHICLES:
+        for vehicle in dict.fromkeys(VEHICLES.values()):
             content = DFMetaData.download_url(f"{BASE_URL}/{vehicle}/LogMessages.xml")
             if content is not None:
                 with open(os.path.join(directory, f"{vehicle}.xml"), "wb") as file:
@@ -79,7 +67,7 @@ class DFMetaData:
     def _load(self, verbose: bool) -> dict[str, Element] | None:
         from xml.etree import ElementTree
 
-        vehicle = _VEHICLE_OF.get(self.parent.mav_type)
+        vehicle = VEHICLES.get(self.parent.mav_type)
         if vehicle is None:
             return None
         path = DFMetaData.dot_pymavlink("LogMessages", f"{vehicle}.xml")

@@ -41,14 +41,10 @@ def _folders() -> Iterator[list[Path]]:
 
 def installed_folder() -> Path | None:
     """The folder with the definitions of an installed pymavlink."""
-    from importlib import metadata
-    from pathlib import Path
+    from mavwire import _alias_metadata
 
-    try:
-        distribution = metadata.distribution("pymavlink")
-    except metadata.PackageNotFoundError:
-        return None
-    return Path(str(distribution.locate_file("pymavlink/dialects/v20")))
+    installed = _alias_metadata.installed_folder()
+    return None if installed is None else installed / "pymavlink/dialects/v20"
 
 
 def of_messages(native: Dialect) -> dict[str, tuple[str, dict[str, str]]]:
@@ -56,9 +52,7 @@ def of_messages(native: Dialect) -> dict[str, tuple[str, dict[str, str]]]:
     texts = Texts(native.name)
     found = {}
     for name, _ in native.messages():
-        message, fields = native.descriptions(name)
-        if not message and not any(fields.values()):
-            message, fields = texts.message(name)
+        message, fields = texts.of(native, name)
         found[name] = message, {field: text for field, text in fields.items() if text}
     return found
 
@@ -93,6 +87,11 @@ class Texts:
             if whole:
                 return whole
         return None
+
+    def of(self, native: Dialect, name: str) -> tuple[str, dict[str, str]]:
+        """Those of a message and its fields: the definition's own, or those found elsewhere."""
+        message, fields = native.descriptions(name)
+        return (message, fields) if message or any(fields.values()) else self.message(name)
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
         """Description of a message and of its fields by name."""

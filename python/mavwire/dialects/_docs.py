@@ -12,16 +12,6 @@ if TYPE_CHECKING:
 WIDTH = 70
 
 
-def _texts(
-    dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts
-) -> tuple[str, dict[str, str]]:
-    """The definition's own descriptions, or those found elsewhere."""
-    message, fields = dialect.descriptions(info.name)
-    if message or any(fields.values()):
-        return message, fields
-    return texts.message(info.name)
-
-
 def _wrapped(text: str, indent: str) -> str:
     text = text.strip()
     if len(indent) + len(text) <= WIDTH and text.isprintable():
@@ -58,5 +48,5 @@ class ClassDoc:
 
     def __get__(self, obj: Any, cls: type) -> str:
         dialect, info, texts = self._parts
-        message, _ = _texts(dialect, info, texts)
+        message, _ = texts.of(dialect, info.name)
         return f"\n{_wrapped(message or info.name, '    ')}\n    "

@@ -17,7 +17,7 @@ from mavwire.logs.conversion import prepare
 from mavwire.logs.manifest import Converted, Manifest
 from mavwire.logs.query import Query, takes
 from mavwire.logs.reading import allow_described
-from mavwire.logs.staging import remove_left, staging
+from mavwire.logs.store import remove_left, staging
 
 from .clients import connected
 from .cuts import find_cuts

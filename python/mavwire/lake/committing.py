@@ -17,8 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from mavwire.logs.manifest import Converted, in_utf8, stored_row
-from mavwire.logs.staging import PREFIX
-from mavwire.logs.store import Store, write_file
+from mavwire.logs.store import PREFIX, Store, write_file
 
 from . import delta
 from .ledger import Ledger

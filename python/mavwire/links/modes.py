@@ -45,15 +45,21 @@ mode_mapping_blimp = {
     0: "LAND", 1: "MANUAL", 2: "VELOCITY", 3: "LOITER", 4: "RTL", 5: "AUTO", 6: "HOLD",
 }  # fmt: skip
 
-# MAV_TYPE -> mode table. The numbers are those of the MAV_TYPE enum.
-AP_MAV_TYPE_MODE_MAP_DEFAULT: dict[int, dict[int, str]] = {
-    **dict.fromkeys((2, 3, 4, 13, 14, 15, 29, 35), mode_mapping_acm),  # rotary wings
-    **dict.fromkeys((1, 19, 20, 21), mode_mapping_apm),  # fixed wing, tailsitters, tiltrotor
-    **dict.fromkeys((10, 11), mode_mapping_rover),  # ground rover, surface boat
-    5: mode_mapping_tracker,  # antenna tracker
-    7: mode_mapping_blimp,  # airship
-    12: mode_mapping_sub,  # submarine
+# MAV_TYPE -> vehicle of ArduPilot. The numbers are those of the MAV_TYPE enum.
+VEHICLES = {
+    **dict.fromkeys((2, 3, 4, 13, 14, 15, 29, 35), "Copter"),  # rotary wings
+    **dict.fromkeys((1, 19, 20, 21), "Plane"),  # fixed wing, tailsitters, tiltrotor
+    **dict.fromkeys((10, 11), "Rover"),  # ground rover, surface boat
+    5: "Tracker",
+    7: "Blimp",
+    12: "Sub",
 }
+_MODES = {
+    "Copter": mode_mapping_acm, "Plane": mode_mapping_apm, "Rover": mode_mapping_rover,
+    "Tracker": mode_mapping_tracker, "Blimp": mode_mapping_blimp, "Sub": mode_mapping_sub,
+}  # fmt: skip
+# MAV_TYPE -> mode table.
+AP_MAV_TYPE_MODE_MAP_DEFAULT = {number: _MODES[name] for number, name in VEHICLES.items()}
 
 mainstate_mapping_px4 = {
     0: "MANUAL", 1: "ALTCTL", 2: "POSCTL", 3: "AUTO_MISSION", 4: "AUTO_LOITER", 5: "AUTO_RTL",
@@ -117,10 +123,10 @@ MAV_AUTOPILOT_PX4 = 12
 _MSG_ID_HIGH_LATENCY2 = 235
 
 
-def _dot_pymavlink(name: str) -> str:
-    """The path of a file in the user's settings directory."""
+def dot_pymavlink(*args: str) -> str:
+    """A path in the user's settings directory."""
     home = os.environ.get("LOCALAPPDATA") if os.name == "nt" else None
-    return os.path.join(home or os.path.expanduser("~"), ".pymavlink", name)
+    return os.path.join(home or os.path.expanduser("~"), ".pymavlink", *args)
 
 
 def _read_custom_modes(path: str) -> dict[int, dict[int, str]] | None:
@@ -148,7 +154,7 @@ def _mode_map() -> dict[int, dict[int, str]]:
     return {**AP_MAV_TYPE_MODE_MAP_DEFAULT, **custom}
 
 
-_custom_mode_map_path = _dot_pymavlink("custom_mode_map.json")
+_custom_mode_map_path = dot_pymavlink("custom_mode_map.json")
 AP_MAV_TYPE_MODE_MAP = _mode_map()
 
 

@@ -56,9 +56,7 @@ def _micros(span: Span, what: str) -> int:
     try:
         micros = float(number) * UNITS[unit] * 1e6
     except (KeyError, ValueError):
-        raise ValueError(
-            f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"
-        ) from None
+        micros = -1.0
     if not 0 <= micros < 2**62:
         raise ValueError(
             f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"

@@ -35,8 +35,7 @@ from .reading import (
 )
 from .selection import Selection, separate_fields
 from .sources import check_run, columns_from, file_status, open_dataflash
-from .staging import remove_left
-from .store import Store
+from .store import Store, remove_left
 from .unknown import kinds_of, log_of_table
 
 if TYPE_CHECKING:

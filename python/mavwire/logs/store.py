@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import re
+import shutil
+import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Protocol
@@ -18,6 +20,8 @@ from mavwire._atomic_file import replacing
 
 from .formats import SUFFIXES
 
+PREFIX = ".mavwire-staging-"
+"""That of folders for incomplete files: no other program begins a name so, and those of killed runs are removed by it."""
 _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 
 
@@ -150,3 +154,17 @@ def write_file(path: str, content: bytes | Iterable[str]) -> None:
         file.writelines(pieces)
         file.flush()
         os.fsync(file.fileno())
+
+
+@contextmanager
+def staging(root: str) -> Iterator[str]:
+    """The folder for incomplete files of one run, gone with what is left in it afterwards."""
+    with tempfile.TemporaryDirectory(prefix=PREFIX, dir=root, ignore_cleanup_errors=True) as folder:
+        yield folder
+
+
+def remove_left(root: str) -> None:
+    """Remove the folders of runs that were killed. The store is locked: no other run is under way."""
+    for name in os.listdir(root):
+        if name.startswith(PREFIX):
+            shutil.rmtree(os.path.join(root, name), ignore_errors=True)

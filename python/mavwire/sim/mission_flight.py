@@ -40,8 +40,6 @@ class Leg:
 class FlyMission(Task):
     """Works through a plan from its current item on."""
 
-    name = "mission"
-
     def __init__(self, autopilot: Autopilot, plan: Plan) -> None:
         self._autopilot = autopilot
         self._plan = plan

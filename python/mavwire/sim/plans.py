@@ -8,7 +8,7 @@ from typing import Any
 
 from mavwire.dialects.v20 import all as mavlink
 
-from .geo import Local, Origin, Place
+from .geo import Place
 
 MAX_ITEMS = 1000
 # Frames in which x and y are degrees, by what the altitude is measured from.
@@ -56,12 +56,6 @@ class Item:
         if self.x == 0 and self.y == 0:
             lat, lon = here.lat, here.lon
         return Place(lat, lon, self.z + (home.alt if self.frame in RELATIVE else 0.0))
-
-    def local(self, origin: Origin, home: Place, here: Place) -> Local:
-        """Where it is in the vehicle's local frame."""
-        if self.frame == LOCAL_NED:
-            return Local(self.x / E4, self.y / E4, -self.z)
-        return origin.local(self.place(home, here))
 
 
 def scale_of(frame: int) -> float:

@@ -25,7 +25,6 @@ DEAD_ZONE = 0.1
 class Task:
     """Stays where it is on the ground."""
 
-    name = "idle"
     landed_state = IN_AIR
     target: Local | None = None
     done = False
@@ -43,8 +42,6 @@ class _AtPlace(Task):
 class Hold(_AtPlace):
     """Stays where it was when it began."""
 
-    name = "hold"
-
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
         return REST if copter.landed else fly_to(copter, self.target, tuning)
 
@@ -53,8 +50,6 @@ class Goto(Task):
     """Flies to a point and stays there; from the ground only with `lift`, and then straight up
     first.
     """
-
-    name = "goto"
 
     def __init__(
         self,
@@ -82,7 +77,6 @@ class Goto(Task):
 class Takeoff(_AtPlace):
     """Climbs to a height above the point where it stands."""
 
-    name = "takeoff"
     landed_state = TAKING_OFF
 
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
@@ -98,7 +92,6 @@ class Takeoff(_AtPlace):
 class Land(_AtPlace):
     """Comes down, on the spot or at a target; slowly near the ground."""
 
-    name = "land"
     landed_state = LANDING
 
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
@@ -118,8 +111,6 @@ class Land(_AtPlace):
 
 class Return(Task):
     """Climbs, flies home, waits a little, lands."""
-
-    name = "return"
 
     def __init__(self, home: Local, copter: Copter, tuning: Tuning) -> None:
         up = max(copter.up, home.up + tuning.return_height)
@@ -149,8 +140,6 @@ class Return(Task):
 class Velocity(Task):
     """Keeps a velocity as long as it is renewed, then stops."""
 
-    name = "velocity"
-
     def __init__(self, demand: Demand, hold_up: float | None = None) -> None:
         self._demand = demand
         self._left = VELOCITY_TIMEOUT
@@ -169,8 +158,6 @@ class Velocity(Task):
 
 class Orbit(Task):
     """Circles around a point, the nose towards it."""
-
-    name = "orbit"
 
     def __init__(self, centre: Local, radius: float, speed: float, turns: float = 0.0) -> None:
         self.target: Local = centre
@@ -202,8 +189,6 @@ class Orbit(Task):
 
 class Sticks(Task):
     """Flown by hand: sticks from -1 to 1 set velocities; let go of, they keep the place."""
-
-    name = "sticks"
 
     def __init__(self, copter: Copter) -> None:
         self.roll = self.pitch = self.throttle = self.yaw = 0.0

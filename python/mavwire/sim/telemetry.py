@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.dialects.v20 import all as mavlink
 
 from .geo import Place, bearing, distance, e7
+from .mission_flight import FlyMission
 from .personality.common import values
 from .physics import GRAVITY, Copter
 
@@ -168,12 +169,12 @@ def _mission_current(v: Vehicle) -> tuple[Any, ...]:
         state = mavlink.MISSION_STATE_NO_MISSION
     elif plan.complete:
         state = mavlink.MISSION_STATE_COMPLETE
-    elif pilot.task.name == "mission":
+    elif isinstance(pilot.task, FlyMission):
         state = mavlink.MISSION_STATE_ACTIVE
     else:
         state = mavlink.MISSION_STATE_PAUSED if plan.current else mavlink.MISSION_STATE_NOT_STARTED
     total = max(len(plan) - v.personality.first_mission_item, 0)
-    in_mission = 1 if pilot.task.name == "mission" else 2
+    in_mission = 1 if isinstance(pilot.task, FlyMission) else 2
     return plan.current, total, state, in_mission
 
 

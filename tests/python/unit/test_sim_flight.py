@@ -361,8 +361,8 @@ def test_a_mission_is_flown_from_take_off_to_landing(autopilot: str) -> None:
     while vehicle.armed:
         station.step(0.1)
         for seq in range(first + 1, first + 4):
-            item = vehicle.mission.items[seq].local(
-                vehicle.copter.origin, vehicle.autopilot.home_place, vehicle.place
+            item = vehicle.copter.origin.local(
+                vehicle.mission.items[seq].place(vehicle.autopilot.home_place, vehicle.place)
             )
             nearest[seq] = min(nearest[seq], distance(vehicle.copter.local, item))
         assert vehicle.time < 300
