@@ -9,12 +9,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from mavwire.links.stream import DescriptorPort
 
 from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
-
-if TYPE_CHECKING:
-    from mavwire.links.stream import DescriptorPort
 
 
 class SocketSender:

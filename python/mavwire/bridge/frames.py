@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import weakref
+from typing import Self
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    import asyncio
-    from typing import Self
-
-    from mavwire._native import BridgeTap, FrameBatch
+from mavwire._native import BridgeTap, FrameBatch
 
 # Seconds that a thread of asyncio waits for frames: the end of `asyncio.run` waits for the thread.
 LOOK_TIME = 0.2

@@ -11,15 +11,11 @@ import hmac
 import os
 import secrets
 import time
+from collections.abc import Iterable
 
+from .bridge import Bridge
 from .inspector_tables import View
 from .web_server import INTERVAL, PATIENCE, WebServer, closed_after, is_loopback, web
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from .bridge import Bridge
 
 PAGE = os.path.join(os.path.dirname(__file__), "inspector.html")
 # Seconds between two updates of everything. Values are updated each INTERVAL.

@@ -6,12 +6,9 @@ import json
 import math
 import time
 from functools import cache
+from typing import Any
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
-    from .bridge import Bridge, Kind
+from .bridge import Bridge, Kind
 
 # Kinds of messages, components and messages with values that one page is told of.
 MAX_KINDS = 4000

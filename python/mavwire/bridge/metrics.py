@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 from .web_server import WebServer, web
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import Any
-
-    _Entries = list[tuple[dict[str, Any], dict[str, Any]]]
-    # Name, kind, help text, samples with their labels.
-    _Family = tuple[str, str, str, list[tuple[dict[str, Any], Any]]]
+_Entries = list[tuple[dict[str, Any], dict[str, Any]]]
+# Name, kind, help text, samples with their labels.
+_Family = tuple[str, str, str, list[tuple[dict[str, Any], Any]]]
 
 PREFIX = "mavwire_bridge"
 # Key of `Bridge.stats()["links"]` -> what it counts.

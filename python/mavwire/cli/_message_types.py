@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._log_link import kind_of
 from mavwire.cli._errors import tell
-
-if TYPE_CHECKING:
-    from mavwire.cli._reading import Reading
+from mavwire.cli._reading import Reading
 
 # Types of messages without a definition.
 WITHOUT_DEFINITION = ("BAD_DATA", "UNKNOWN")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._log_link import kind_of
 from mavwire.cli._errors import CommandError, refused
-
-if TYPE_CHECKING:
-    from mavwire.cli._reading import Reading
+from mavwire.cli._reading import Reading
 
 BAD_DATA = -1
 # The last time that a record can have, in microseconds.

@@ -9,20 +9,15 @@ need not be recognised by the bytes of the part.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
 
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.reading import native_dialect
 from mavwire.logs.selection import UNKNOWN
 from mavwire.logs.sources import is_compressed, is_dataflash
-from mavwire.logs.summary import summarise
+from mavwire.logs.summary import LogInfo, summarise
 
-if TYPE_CHECKING:
-    import os
-
-    from mavwire.logs.summary import LogInfo
-
-    from .places import Part
+from .places import Part
 
 CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Unpack
+from collections.abc import Iterable, Mapping
+from typing import Any, Unpack
 
-from mavwire._native import DataflashTables
+from mavwire._native import DataflashTables, RecordBatches
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.checks import check_described, check_tables
 from mavwire.logs.query import Values, takes
 from mavwire.logs.reading import check_records, joined, native_dialect, with_empty
 from mavwire.logs.selection import Selection, names_of
-from mavwire.logs.sources import columns_from, describes, open_dataflash
+from mavwire.logs.sources import Source, columns_from, describes, open_dataflash
 from mavwire.logs.table import Table
 
 from .places import ByteRange, Part, check_divisible, located
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from mavwire._native import RecordBatches
-    from mavwire.logs.sources import Source
 
 
 @takes(Values)

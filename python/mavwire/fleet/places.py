@@ -9,20 +9,16 @@ from __future__ import annotations
 import glob
 import os
 import tempfile
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, SupportsIndex
+from typing import Any, SupportsIndex
 
 from mavwire._native import identify
 from mavwire._text import naming
 from mavwire.logs.format_error import COMPRESSED, LogFormatError
 from mavwire.logs.reading import absolute, check_readable, paths_of
-from mavwire.logs.sources import is_dataflash
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from mavwire.logs.sources import Source
+from mavwire.logs.sources import Source, is_dataflash
 
 IN_MEMORY = 128 << 20
 """Bytes of a log that are held in memory; a larger one goes to a file."""

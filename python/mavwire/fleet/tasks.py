@@ -9,22 +9,19 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._text import in_words
 from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
+from mavwire.logs.selection import Selection
 
 from .places import ByteRange, Part, located
 from .stores import store_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from mavwire.logs.selection import Selection
 
 
 @dataclass(frozen=True)

@@ -12,24 +12,21 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire.logs.manifest import Converted, in_utf8, stored_row
 from mavwire.logs.store import PREFIX, Store, write_file
 
 from . import delta
+from .doing import Made, Written
 from .ledger import Ledger
 from .rewriting import Reader, fitted, kinds_differ, rewritten
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from .doing import Made, Written
-
-    Replacement = tuple[list[dict[str, Any]], list[Written]]
-    """Files of a table, and those that take their place."""
+Replacement = tuple[list[dict[str, Any]], list[Written]]
+"""Files of a table, and those that take their place."""
 
 COMMIT = ".mavwire-commit"
 PLAN = "plan.json"

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire.fleet.grouping import grouped
 
 from . import delta
-from .committing import Lake
+from .committing import Lake, Replacement
 from .doing import FILE_BYTES
 from .rewriting import Reader, rewritten
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .committing import Replacement
 
 SMALL_BYTES = 64 << 20
 """Bytes of a file below which it is merged with others."""

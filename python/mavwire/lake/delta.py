@@ -5,15 +5,13 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._extras import extra
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from .doing import Written
+from .doing import Written
 
 APP = "mavwire"
 """The application whose transactions are the batches of a lake."""

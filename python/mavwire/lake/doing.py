@@ -8,24 +8,20 @@ import secrets
 import tempfile
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from mavwire._native import LakeFile, folder_of
+from mavwire._native import LakeFile, RecordBatches, folder_of
 from mavwire._text import in_words
 from mavwire.fleet.places import located
 from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted, in_utf8
 from mavwire.logs.open_files import many_open_files
 from mavwire.logs.reading import native_dialect
-from mavwire.logs.sources import check_run, columns_from, open_dataflash
+from mavwire.logs.selection import Selection
+from mavwire.logs.sources import Source, check_run, columns_from, open_dataflash
 from mavwire.logs.unknown import kinds_of
 
-if TYPE_CHECKING:
-    from mavwire._native import RecordBatches
-    from mavwire.logs.selection import Selection
-    from mavwire.logs.sources import Source
-
-    from .planning import Task
+from .planning import Task
 
 GROUP_ROWS = 65_536
 """Rows that are written together."""

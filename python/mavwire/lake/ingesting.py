@@ -4,28 +4,22 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any, Unpack
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, Unpack
 
 from mavwire.dialects import UPSTREAM
 from mavwire.fleet.grouping import check_at_least_1
 from mavwire.fleet.places import expand, is_url, statuses
 from mavwire.logs.conversion import asked, prepare
+from mavwire.logs.manifest import Converted
 from mavwire.logs.query import Query, Types, takes
 from mavwire.logs.reading import allow_described
 
 from . import delta
 from .committing import Lake
-from .doing import Recipe
-from .planning import PART_BYTES, Shard, of_shard, plan
+from .doing import Made, Recipe
+from .planning import PART_BYTES, Plan, Shard, of_shard, plan
 from .runners import run_dask, run_here, run_pool
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from mavwire.logs.manifest import Converted
-
-    from .doing import Made
-    from .planning import Plan
 
 
 @takes(Query)

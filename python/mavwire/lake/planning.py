@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from mavwire._text import in_words
 from mavwire.fleet.grouping import grouped
 from mavwire.logs.manifest import Converted
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from .ledger import Ledger
+from .ledger import Ledger
 
 PART_BYTES = 1 << 30
 """Bytes of logs that are committed together: their rows share files."""

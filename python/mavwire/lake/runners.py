@@ -5,19 +5,16 @@ from __future__ import annotations
 import os
 import signal
 import tempfile
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from mavwire._text import in_words
 from mavwire.logs.manifest import Converted
 
 from .doing import Made, Recipe, do_part
+from .planning import Task
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .planning import Task
-
-    Parts = list[list[Task]]
+Parts = list[list[Task]]
 
 
 def run_here(parts: Parts, recipe: Recipe) -> Iterator[Made]:

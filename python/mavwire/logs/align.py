@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
 
-from .common_clock import align_batches
+from .common_clock import Span, align_batches
 from .selection import HEADER, columns_of, names_of
 from .table import Table, by_instance, check_sender
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from .common_clock import Span
 
 
 def align(

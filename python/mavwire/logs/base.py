@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Unpack
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Self, Unpack
 
+from .common_clock import Span
 from .query import Query, Types, takes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Self
-
-    from .common_clock import Span
-    from .table import Table
+from .table import Table
 
 
 class Log:

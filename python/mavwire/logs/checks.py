@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from mavwire._native import empty_table
+from mavwire._native import RecordBatches, empty_table
 from mavwire._text import did_you_mean
 
 from .selection import HEADER, UNKNOWN, Selection, columns_of, names_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from mavwire._native import RecordBatches
 
 
 def check_tables(

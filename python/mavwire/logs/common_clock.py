@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import timedelta
-from typing import TYPE_CHECKING
 
-from mavwire._native import align_tables
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from mavwire._native import RecordBatches
+from mavwire._native import RecordBatches, align_tables
 
 Span = str | float | timedelta
 """A length of time: "50ms", seconds, or a timedelta."""

@@ -5,20 +5,17 @@ Each dataflash log describes its types itself, so logs may have different column
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from mavwire._native import DataflashTables, RecordBatches
 
 from .checks import check_described, check_tables, no_rows
+from .selection import Selection
 from .sources import file_status, is_dataflash, open_dataflash
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from .selection import Selection
-
-    Described = tuple[list[str], RecordBatches | None]
-    """The types that a dataflash log describes, and an empty table of the wanted type if it has one."""
+Described = tuple[list[str], RecordBatches | None]
+"""The types that a dataflash log describes, and an empty table of the wanted type if it has one."""
 
 MAX_KEPT = 64
 """Number of logs whose surveys are kept, of up to some 200 KB each."""

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from mavwire._native import Converter
 from mavwire._text import in_words
@@ -21,6 +22,7 @@ from mavwire.dialects import UPSTREAM
 from mavwire.dialects._descriptions import of_messages
 
 from .checks import check_tables
+from .dialect import Dialects
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .manifest import Converted, Manifest
 from .open_files import many_open_files
@@ -34,15 +36,9 @@ from .reading import (
     paths_of,
 )
 from .selection import Selection, separate_fields
-from .sources import check_run, columns_from, file_status, open_dataflash
+from .sources import Source, check_run, columns_from, file_status, open_dataflash
 from .store import Store, remove_left
 from .unknown import kinds_of, log_of_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from .dialect import Dialects
-    from .sources import Source
 
 BATCH_ROWS = 65_536
 BATCH_BYTES = 32 << 20

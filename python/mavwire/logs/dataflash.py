@@ -6,8 +6,9 @@ Messages come from `DFReader`, tables from the native reader of tables; both say
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from mavwire._native import DataflashTables, LogKind, identify
 
@@ -16,14 +17,9 @@ from .checks import no_record_type
 from .format_error import no_record
 from .query import Query, Records, Types, takes
 from .selection import Selection, separate_fields
-from .sources import file_status, is_compressed, open_dataflash, read_dataflash
+from .sources import Opened, file_status, is_compressed, open_dataflash, read_dataflash
+from .summary import LogInfo
 from .table import Table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from .sources import Opened
-    from .summary import LogInfo
 
 
 class DataflashLog(Log):

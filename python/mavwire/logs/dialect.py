@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import os
 from types import ModuleType
+from typing import Any
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
-    Dialect = str | os.PathLike[str] | ModuleType
-    Dialects = Dialect | list[Dialect] | tuple[Dialect, ...]
+Dialect = str | os.PathLike[str] | ModuleType
+Dialects = Dialect | list[Dialect] | tuple[Dialect, ...]
 
 
 def portable(dialect: Dialects) -> tuple[Any, bool]:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
+from .dialect import Dialects
 from .sources import check_run
 from .telemetry import open_log
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from .dialect import Dialects
 
 EMPTY = "the log is empty: repeat the copy or the download"
 NO_RECORD = "the log ends within its first record: repeat the copy or the download"

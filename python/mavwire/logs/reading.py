@@ -6,32 +6,26 @@ import errno
 import os
 import stat
 import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from operator import index
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
-from mavwire._native import DataflashTables, LogColumns, RecordBatches
+from mavwire._native import DataflashTables, FrameBatch, LogColumns, RecordBatches
 from mavwire._text import naming
 from mavwire.dialects import UPSTREAM
 
 from .batches import Batches
 from .checks import check_described, check_tables, fields_of, no_record_type, no_rows
 from .common_columns import Surveys, empty_of
+from .dialect import Dialects
 from .memory import warn_if_scarce
 from .query import Query, Types, takes
 from .selection import ID_PREFIX, Selection, names_of, no_message, separate_fields, several
-from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
+from .sources import Source, check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 from .unknown import warn_unknown
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from mavwire._native import FrameBatch
-
-    from .dialect import Dialects
-    from .sources import Source
 
 BATCH_ROWS = 65_536
 BATCH_BYTES = 64 << 20

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from mavwire._native import LogRewrite
 from mavwire._text import naming
 from mavwire.dialects import UPSTREAM
 
+from .dialect import Dialects
 from .format_error import LogFormatError
 from .no_records import check_records
 from .query import Records, Types, takes
@@ -24,11 +26,6 @@ from .reading import check_readable, logs_of, native_dialect
 from .selection import Selection
 from .sources import check_has_records, is_dataflash
 from .targets import file_to_write
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from .dialect import Dialects
 
 MOST_NORTH = 8.0
 MOST_EAST = 180.0

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from mavwire._native import DataflashTables, LogColumns, LogKind, decompress, identify
+from mavwire._native import (
+    DataflashTables,
+    LogColumns,
+    LogKind,
+    RecordBatches,
+    decompress,
+    identify,
+)
 from mavwire._text import naming
 
 from .format_error import COMPRESSED, no_record, not_telemetry, undescribed
+from .selection import Selection
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from mavwire._native import RecordBatches
-
-    from .selection import Selection
-
-    Opened = tuple[DataflashTables, list[tuple[str, RecordBatches]] | None]
-    """The survey of a dataflash log, and its tables if the same pass found them."""
+Opened = tuple[DataflashTables, list[tuple[str, RecordBatches]] | None]
+"""The survey of a dataflash log, and its tables if the same pass found them."""
 
 Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 """Sources of the native readers: a path, a path with the first byte and the end of a range, the same

@@ -6,21 +6,18 @@ copy, and mavwire needs none of them.
 
 from __future__ import annotations
 
+import builtins
 import os
-from typing import TYPE_CHECKING, Any, overload
+from collections.abc import Iterable, Iterator
+from typing import Any, overload
 
 from mavwire._extras import extra
 from mavwire._native import RecordBatches, write_table
 
 from .arrow_types import conformed, foreign
+from .common_clock import Span
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
 from .targets import file_to_write
-
-if TYPE_CHECKING:
-    import builtins
-    from collections.abc import Iterable, Iterator
-
-    from .common_clock import Span
 
 INTEGERS = frozenset(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 

@@ -8,6 +8,7 @@ Rust without holding the interpreter; an object is made only of what was asked f
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any, Unpack
 
@@ -16,20 +17,14 @@ from mavwire._text import naming
 from mavwire.dialects import UPSTREAM
 
 from .base import Log
-from .dialect import dialect_module, portable, restored
+from .dataflash import DataflashLog
+from .dialect import Dialects, dialect_module, portable, restored
 from .format_error import COMPRESSED, not_telemetry
 from .query import Query, Records, Types, takes
 from .selection import Selection, id_of, no_message
 from .sources import check_has_records, file_status
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from .dataflash import DataflashLog
-    from .dialect import Dialects
-    from .summary import LogInfo
-    from .table import Table
+from .summary import LogInfo
+from .table import Table
 
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024

@@ -7,15 +7,13 @@ import os
 import struct
 import warnings
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from mavwire._text import callers_level
 from mavwire.dialects import UPSTREAM, names
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    Counts = Mapping[tuple[int, int] | None, int] | Mapping[tuple[int, int | None] | None, int]
+Counts = Mapping[tuple[int, int] | None, int] | Mapping[tuple[int, int | None] | None, int]
 
 _STAMP = struct.Struct(">Q")
 NO_TABLE = "not a table mavwire.unknown (Parquet or Arrow). `convert --unknown table` writes one"

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire.links.modes import mode_string_v10
 from mavwire.links.tracking import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_GIMBAL, NOT_VEHICLES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from mavwire.logs.table import Table
+from mavwire.logs.table import Table
 
 COLOURS = (
     "#4c78a8", "#f58518", "#54a24b", "#e45756", "#b279a2", "#72b7b2", "#eeca3b", "#9d755d",

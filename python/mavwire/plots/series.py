@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._text import in_words
 from mavwire.dialects import UPSTREAM
@@ -15,16 +16,10 @@ from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
+from mavwire.logs.table import Table
 
-from .expressions import Expression, as_number, column_of, read_by, why_nothing
+from .expressions import Expression, Places, as_number, column_of, read_by, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from mavwire.logs.table import Table
-
-    from .expressions import Places
 
 NO_NUMBER = "no number"
 NO_VALUE = "the value means unknown, as 65535 often does"

@@ -7,18 +7,16 @@ from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.no_records import check_records
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
+from mavwire.logs.table import Table
 
 from .modes import Span, colours_of, mode_changes, spans, vehicle_of
 from .series import busiest_system, is_telemetry, vehicle_messages
-
-if TYPE_CHECKING:
-    from mavwire.logs.table import Table
 
 FIX_2D = 2
 MISSION = 0

@@ -6,14 +6,12 @@ import os
 from argparse import Namespace
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from mavwire.cli._reading import Reading
 from mavwire.cli.logs._dump_format import Csv
+from mavwire.cli.logs._dump_select import Selection
 from mavwire.links.inspect_message import local_time
-
-if TYPE_CHECKING:
-    from mavwire.cli._reading import Reading
-    from mavwire.cli.logs._dump_select import Selection
 
 # Options whose meaning depends on more than the message itself.
 SLOW_OPTIONS = (

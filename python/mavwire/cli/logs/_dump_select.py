@@ -7,13 +7,11 @@ from __future__ import annotations
 
 from argparse import Namespace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._log_link import kind_of
 from mavwire.cli._message_types import unknown
-
-if TYPE_CHECKING:
-    from mavwire.cli._reading import Reading
+from mavwire.cli._reading import Reading
 
 # Types that `--meta` shows at any condition: how a dataflash log describes itself.
 META = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "EV", "CMD", "MAVC", "VER"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
@@ -13,9 +12,7 @@ from mavwire.cli._errors import CommandError, refused
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
-
-if TYPE_CHECKING:
-    from mavwire.logs.rewriting import Rewritten
+from mavwire.logs.rewriting import Rewritten
 
 
 def add_common(parser: ArgumentParser) -> None:

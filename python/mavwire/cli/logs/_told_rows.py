@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import argparse
+from collections.abc import Callable, Iterable
 
 from mavwire._text import printable
 from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.logs.dialect import dialect_module
+from mavwire.logs.manifest import Converted
 from mavwire.logs.unknown import counts_of, unknown_text
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable, Iterable
-
-    from mavwire.logs.manifest import Converted
 
 
 def tell_rows(

@@ -13,16 +13,14 @@ import argparse
 import glob
 import os
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._progress import Progress
 from mavwire.cli.logs._query_arguments import add_query, query_of
 from mavwire.cli.logs._told_rows import tell_rows
-
-if TYPE_CHECKING:
-    from mavwire.logs.manifest import Converted
+from mavwire.logs.manifest import Converted
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ import os
 import time
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._native import date_text
 from mavwire._text import in_words, printable
@@ -22,12 +22,10 @@ from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.dialects import UPSTREAM
+from mavwire.logs.dialect import Dialects
 from mavwire.logs.selection import DAY, YEAR
+from mavwire.logs.summary import LogInfo
 from mavwire.logs.unknown import kinds_of, unknown_text
-
-if TYPE_CHECKING:
-    from mavwire.logs.dialect import Dialects
-    from mavwire.logs.summary import LogInfo
 
 LISTED = 5
 """Places that the table names; `--json` has more."""
