@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 from .bridge import Bridge, Kind
-from .config_file import Config, load_config
+from .config_file import load_config
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, EndpointOptions, Recording
+from .options import Config, Endpoint, EndpointOptions, Recording
 
 __all__ = [
     "Bridge",

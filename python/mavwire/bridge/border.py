@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links.signing_time import UNITS_PER_SECOND
 
 from .checks import content, flag, seconds, whole
 from .errors import ConfigError

@@ -15,7 +15,7 @@ from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, EndpointOptions, Recording, Settings, endpoint_options
+from .options import Config, Endpoint, EndpointOptions, Recording, Settings, endpoint_options
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from mavwire.events import EventDefinitions
     from mavwire.logs.dialect import Dialects
 
-    from .config_file import Config
     from .sinks import Sink
 
 

@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 from mavwire.dialects import UPSTREAM
@@ -14,30 +13,11 @@ from mavwire.dialects import UPSTREAM
 from .checks import only_known, seconds, text
 from .endpoints import parse_endpoint
 from .errors import ConfigError
-from .options import Endpoint, Recording, Settings
+from .options import Config, Recording, Settings
 from .sidecars import Listen, SinkOptions, listen_from, sink_from
 
 # No configuration is longer; a path that leads to something else by mistake is not read whole.
 MAX_SIZE = 1 << 20
-
-
-@dataclass
-class Config:
-    """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
-
-    links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
-    """Place in the file, endpoint, options."""
-    settings: dict[str, Any] = field(default_factory=dict)
-    recording: Recording | None = None
-    dialect: Any = UPSTREAM
-    """A dialect, or a list of several."""
-    json: float | None = None
-    """Seconds between two lines of counters that `mavwire bridge` prints."""
-    http: Listen | None = None
-    metrics: Listen | None = None
-    sinks: list[SinkOptions] = field(default_factory=list)
-    path: str = ""
-    warnings: list[str] = field(default_factory=list)
 
 
 def load_config(path: str | os.PathLike[str]) -> Config:

@@ -6,9 +6,12 @@ import json
 import math
 import time
 from functools import cache
-from typing import Any
 
-from .bridge import Bridge, Kind
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from .bridge import Bridge, Kind
 
 # Kinds of messages, components and messages with values that one page is told of.
 MAX_KINDS = 4000

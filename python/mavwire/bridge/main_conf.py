@@ -11,9 +11,8 @@ from typing import Any
 from mavwire._text import did_you_mean
 
 from .checks import whole
-from .config_file import Config
 from .errors import ConfigError
-from .options import DEFAULT_BAUD, Endpoint, Recording
+from .options import DEFAULT_BAUD, Config, Endpoint, Recording
 
 DEFAULT_TCP_PORT = 5760
 FIRST_UDP_PORT = 14550

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
+from mavwire.dialects import UPSTREAM
+
 from .border import (
     AUTOMATION_OPTIONS,
     BORDER_OPTIONS,
@@ -18,6 +20,7 @@ from .border import (
 )
 from .checks import flag, listed, only_known, rate, seconds, text, whole
 from .errors import ConfigError
+from .sidecars import Listen, SinkOptions
 
 KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
 DEFAULT_BAUD = 115200
@@ -218,3 +221,22 @@ def _named(option: str, message_id: Callable[[object], int], value: object) -> i
 def _retry(value: object) -> float | None:
     """The longest pause between two attempts; 0 or None for no second connection."""
     return None if not value else seconds("retry", value, least=1e-3)
+
+
+@dataclass
+class Config:
+    """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
+
+    links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
+    """Place in the file, endpoint, options."""
+    settings: dict[str, Any] = field(default_factory=dict)
+    recording: Recording | None = None
+    dialect: Any = UPSTREAM
+    """A dialect, or a list of several."""
+    json: float | None = None
+    """Seconds between two lines of counters that `mavwire bridge` prints."""
+    http: Listen | None = None
+    metrics: Listen | None = None
+    sinks: list[SinkOptions] = field(default_factory=list)
+    path: str = ""
+    warnings: list[str] = field(default_factory=list)

@@ -11,38 +11,42 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Iterable
 from contextlib import ExitStack, suppress
-from typing import Any, Protocol, Self
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from mavwire._extras import extra
-from mavwire._native import FrameBatch
 from mavwire._threads import start_thread
 
-from .bridge import Bridge
 from .errors import ConfigError
 from .inspector_tables import plain
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import Any, Protocol, Self
 
-class Publisher(Protocol):
-    """Where a sink's bytes go."""
+    from mavwire._native import FrameBatch
 
-    @property
-    def dropped(self) -> int:
-        """What it dropped because those who get it are too slow."""
+    from .bridge import Bridge
 
-    def is_wanted(self) -> bool:
-        """Whether anyone gets it."""
+    class Publisher(Protocol):
+        """Where a sink's bytes go."""
 
-    def put(self, key: str, data: bytes, frames: int = 1) -> None:
-        """Publish what so many frames are in, OSError if that is not possible now."""
+        @property
+        def dropped(self) -> int:
+            """What it dropped because those who get it are too slow."""
 
-    def flush(self, seconds: float) -> bool:
-        """Wait so long until what was put has left, and say whether it has; OSError if it is lost."""
+        def is_wanted(self) -> bool:
+            """Whether anyone gets it."""
 
-    def close(self) -> None:
-        """End the connection."""
+        def put(self, key: str, data: bytes, frames: int = 1) -> None:
+            """Publish what so many frames are in, OSError if that is not possible now."""
+
+        def flush(self, seconds: float) -> bool:
+            """Wait so long until what was put has left, and say whether it has; OSError if it is lost."""
+
+        def close(self) -> None:
+            """End the connection."""
 
 
 DEFAULT_PREFIX = "mavlink"

@@ -10,15 +10,11 @@ import ipaddress
 import logging
 import re
 import socket
-from collections.abc import Awaitable, Callable, Iterable
 from contextlib import ExitStack, closing
-from typing import Any, Self
 from urllib.parse import urlsplit
 
 from mavwire._extras import extra
 from mavwire._threads import start_thread
-
-from .bridge import Bridge
 
 with extra("web"):
     from aiohttp import WSMsgType, web
@@ -26,8 +22,14 @@ with extra("web"):
 # `web` is aiohttp's, for the servers.
 __all__ = ["INTERVAL", "PATIENCE", "WebServer", "closed_after", "is_loopback", "web"]
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable
+    from typing import Any, Self
 
-Tell = Callable[[web.WebSocketResponse], Awaitable[None]]
+    from .bridge import Bridge
+
+    Tell = Callable[[web.WebSocketResponse], Awaitable[None]]
 
 MAX_CONNECTIONS = 64
 # Seconds for a request to arrive, and how long a page may be silent.

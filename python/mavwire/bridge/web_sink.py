@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Iterable, Iterator
 from concurrent.futures import Future
 from contextlib import suppress
 from typing import NamedTuple
 from urllib.parse import quote
 
-from .bridge import Bridge
 from .web_server import INTERVAL, WebServer, web
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from .bridge import Bridge
 
 # What may wait for a reader; beyond it only the newest batch does.
 MAX_WAITING = 512 * 1024

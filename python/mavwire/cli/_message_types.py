@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavwire._log_link import kind_of
 from mavwire.cli._errors import tell
-from mavwire.cli._reading import Reading
+
+if TYPE_CHECKING:
+    from mavwire.cli._reading import Reading
 
 # Types of messages without a definition.
 WITHOUT_DEFINITION = ("BAD_DATA", "UNKNOWN")

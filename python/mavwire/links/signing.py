@@ -13,12 +13,9 @@ from mavwire._native import Signing as SigningState
 
 from . import Any, Callable, state, warn
 from .link_ids import section
+from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .target import Target
 
-# Timestamps count 10 us units since 2015-01-01 00:00 UTC.
-EPOCH = 1420070400
-UNITS_PER_SECOND = 100 * 1000
-MAX_TIMESTAMP = (1 << 48) - 1
 KEY_LEN = 32
 SECRET_FIELD = "secret_key"
 # The id of the message with that field, which a dialect may lack.

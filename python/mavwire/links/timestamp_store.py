@@ -18,7 +18,7 @@ from io import FileIO
 from time import monotonic
 
 from . import Any, Callable, warn
-from .signing import MAX_TIMESTAMP, UNITS_PER_SECOND
+from .signing_time import MAX_TIMESTAMP, UNITS_PER_SECOND
 
 # How far ahead is stored: ten seconds. Restarting more often than that runs ahead of the clock.
 RESERVE = 10 * UNITS_PER_SECOND

@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from mavwire.links.signing import EPOCH, UNITS_PER_SECOND, check_key
+from mavwire.links.signing import check_key
+from mavwire.links.signing_time import EPOCH, UNITS_PER_SECOND
 
 from .service import Handler, Service
 
