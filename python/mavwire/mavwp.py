@@ -5,12 +5,10 @@ and rally points as mission items, `MAVFenceLoader` and `MAVRallyLoader` in the 
 autopilots took before.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
-from ._missions.errors import MAVFenceError, MAVRallyError, MAVWPError
+from ._missions import MAVFenceError, MAVRallyError, MAVWPError
 from ._missions.files import get_first_line_from_file
 from ._missions.items import (
     MAVWPLoader,

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 from typing import Any, NamedTuple, TypeVar
 
-from .errors import MAVFenceError, MAVRallyError, MAVWPError, PlanError
+from . import MAVFenceError, MAVRallyError, MAVWPError, PlanError
 
 WAYPOINT, LOITER, LAND, TAKEOFF, RTL = 16, 17, 21, 22, 20
 # Action of a QGC WPL 100 file -> MAV_CMD.

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire import mavutil
 from mavwire._atomic_file import replace_text
 
-from . import files
-from .errors import MAVWPError
+from . import MAVWPError, files
 
 if TYPE_CHECKING:
     from mavwire._native import Message

@@ -8,6 +8,7 @@ when somebody first asks for a description, and never otherwise. Where there is 
 from __future__ import annotations
 
 import os
+from functools import cache
 
 # What is only needed for types, or seldom, would be most of the time of an import.
 TYPE_CHECKING = False
@@ -45,6 +46,21 @@ def installed_folder() -> Path | None:
 
     installed = _alias_metadata.installed_folder()
     return None if installed is None else installed / "pymavlink/dialects/v20"
+
+
+@cache
+def summaries() -> dict[str, dict[str, str]]:
+    """mavwire's own lines on ``messages``, ``commands`` and ``enums``: name -> summary."""
+    import tomllib
+    from pathlib import Path
+
+    file = Path(__file__).resolve().parent.parent / "_data" / "summaries.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def summary(kind: str, name: str) -> str:
+    """The summary of one of them, or an empty text."""
+    return summaries()[kind].get(name, "")
 
 
 def of_messages(native: Dialect) -> dict[str, tuple[str, dict[str, str]]]:
@@ -95,17 +111,13 @@ class Texts:
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
         """Description of a message and of its fields by name."""
-        from mavwire.dialects import _summaries
-
         texts: tuple[str, dict[str, str]] = self._find()["messages"].get(name, ("", {}))
-        return texts[0] or _summaries.summary("messages", name), texts[1]
+        return texts[0] or summary("messages", name), texts[1]
 
     def entry(self, enum: str, name: str) -> str:
         """Description of an enum entry."""
-        from mavwire.dialects import _summaries
-
         text = self._entry(enum, name)[0]
-        return text or (_summaries.summary("commands", name) if enum == "MAV_CMD" else "")
+        return text or (summary("commands", name) if enum == "MAV_CMD" else "")
 
     def params(self, enum: str, name: str) -> dict[int, str]:
         """Descriptions of a command's parameters by number."""

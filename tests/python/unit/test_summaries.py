@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from mavwire import cli, dialects
-from mavwire.dialects import _descriptions, _summaries
+from mavwire.dialects import _descriptions
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 
 WORDS_IN_COMMON = 6  # in a row; shorter runs are how one speaks of the thing
@@ -29,7 +29,7 @@ def plain(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
 
 
 def test_they_are_about_what_there_is() -> None:
-    lines = _summaries.load()
+    lines = _descriptions.summaries()
     assert set(lines) == {"messages", "commands", "enums"}
     assert not set(lines["messages"]) - {cls.msgname for cls in mavlink.mavlink_map.values()}
     assert not set(lines["commands"]) - {e.name for e in mavlink.enums["MAV_CMD"].values()}
@@ -46,7 +46,7 @@ def test_they_are_single_short_lines() -> None:
 
 
 def all_lines() -> list[tuple[str, str]]:
-    return [item for lines in _summaries.load().values() for item in lines.items()]
+    return [item for lines in _descriptions.summaries().values() for item in lines.items()]
 
 
 def words(text: str) -> list[str]:
@@ -82,11 +82,11 @@ def test_they_are_in_our_own_words() -> None:
 
 def test_they_stand_in_for_descriptions(plain: str) -> None:
     texts = _descriptions.Texts("plain")
-    assert texts.message("HEARTBEAT") == (_summaries.summary("messages", "HEARTBEAT"), {})
+    assert texts.message("HEARTBEAT") == (_descriptions.summary("messages", "HEARTBEAT"), {})
     assert texts.entry("MAV_CMD", "MAV_CMD_NAV_LAND") == "Land at a place, or here"
     assert texts.entry("MAV_TYPE", "MAV_TYPE_QUADROTOR") == ""
     module: Any = dialects.load(plain)
-    assert _summaries.summary("messages", "ATTITUDE") in module.MAVLink_attitude_message.__doc__
+    assert _descriptions.summary("messages", "ATTITUDE") in module.MAVLink_attitude_message.__doc__
 
 
 def show(capsys: pytest.CaptureFixture[str], name: str, dialect: str) -> list[str]:
@@ -97,7 +97,7 @@ def show(capsys: pytest.CaptureFixture[str], name: str, dialect: str) -> list[st
 def test_a_message_is_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> None:
     title, summary, empty, *fields = show(capsys, "battery_status", plain)
     assert (title, empty) == ("BATTERY_STATUS (147)", "")
-    assert summary == _summaries.summary("messages", "BATTERY_STATUS")
+    assert summary == _descriptions.summary("messages", "BATTERY_STATUS")
     assert fields[0].split() == ["id", "uint8_t", "tells", "instances", "apart"]
     assert ["voltages", "uint16_t[10]", "mV"] in [field.split() for field in fields]
     assert fields[-1].split() == ["fault_bitmask", "uint32_t", "MAV_BATTERY_FAULT,", "extension"]
@@ -117,7 +117,7 @@ def test_a_layout_that_an_id_had_before_is_shown(
 
 def test_enums_and_commands_are_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert show(capsys, "MAV_STATE", plain)[:4] == [
-        "MAV_STATE", _summaries.summary("enums", "MAV_STATE"), "", "  0  MAV_STATE_UNINIT",
+        "MAV_STATE", _descriptions.summary("enums", "MAV_STATE"), "", "  0  MAV_STATE_UNINIT",
     ]  # fmt: skip
     assert "values are bits" in show(capsys, "MAV_SYS_STATUS_SENSOR", plain)[1]
     assert not any("ENUM_END" in line for line in show(capsys, "MAV_RESULT", plain))

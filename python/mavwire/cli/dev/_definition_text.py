@@ -8,7 +8,7 @@ from typing import Any
 
 from mavwire._text import did_you_mean
 from mavwire.cli._errors import CommandError
-from mavwire.dialects import _summaries
+from mavwire.dialects import _descriptions
 
 WIDTH = 100
 
@@ -74,7 +74,7 @@ def _enum(name: str, enum: Any) -> str:
         if not entry.name.endswith("_ENUM_END")
     ]
     bits = "values are bits" if enum.bitmask else ""
-    return _page(name, ": ".join(filter(None, [_summaries.summary("enums", name), bits])), rows)
+    return _page(name, ": ".join(filter(None, [_descriptions.summary("enums", name), bits])), rows)
 
 
 def _entry(enum: str, value: int, entry: Any) -> str:

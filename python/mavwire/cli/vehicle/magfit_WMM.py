@@ -120,7 +120,6 @@ class Samples:
         self._log, self._args = log, args
         self._params: dict[str, float] = log.link.params
         self._rows: list[tuple[tuple[float, ...], tuple[float, ...], float]] = []
-        self._keep_motor = args.no_cmot_change
         self.mode = int(self._parameter("MOTCT"))
         self._by = _mode(args) or (self.mode if args.no_cmot_change else 0)
         self._read(self._source(), self._field())
