@@ -1,7 +1,5 @@
 """Reader of CSV files as logs, with the names and behaviour of pymavlink's CSVReader."""
 
-from __future__ import annotations
-
 import sys
 
 from ._dataflash.csv_log import CSVFormat, CSVMessage, CSVReader

@@ -3,8 +3,6 @@
 The work is in `mavwire._dataflash`, on a native reader; this module is the face of it.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ._dataflash.binary import DFReader_binary

@@ -3,8 +3,6 @@
 The other end is not trusted: what it answers ends in no path, no unbounded memory and no endless loop.
 """
 
-from __future__ import annotations
-
 import logging
 import struct
 

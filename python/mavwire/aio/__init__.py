@@ -3,8 +3,6 @@
 `async with aio.connect("udpin:0.0.0.0:14550") as link: ...` opens a `Link`. docs/aio.md is the guide.
 """
 
-from __future__ import annotations
-
 from .connecting import Connecting, connect
 from .errors import CommandError, LinkClosedError, NoVehicleError, ParameterError
 from .link import Link

@@ -3,8 +3,6 @@
 `Bridge` runs on a thread that never holds the interpreter's lock. See docs/bridge.md.
 """
 
-from __future__ import annotations
-
 from .bridge import Bridge, Kind
 from .config_file import load_config
 from .endpoints import parse_endpoint

@@ -9,8 +9,6 @@
 Needs `distributed` (`pip install 'mavwire[fleet]'`), and pandas and pyarrow for `dask_frame`.
 """
 
-from __future__ import annotations
-
 from .decoding import decode
 from .frames import dask_frame
 from .running import convert, to_parquet

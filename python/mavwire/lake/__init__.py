@@ -10,8 +10,6 @@ Needs `pip install 'mavwire[lake]'`. `planning` says which logs are to do, `doin
 of them, `committing` makes these visible; `runners` do parts here, on processes, or on Dask.
 """
 
-from __future__ import annotations
-
 from .compacting import compact
 from .ingesting import ingest
 from .ledger import tables

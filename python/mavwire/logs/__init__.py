@@ -8,8 +8,6 @@ read the log with `mavutil.mavlink_connection`.
 in batches, `scan_polars` as a polars LazyFrame, and `convert` writes them to files.
 """
 
-from __future__ import annotations
-
 from .dataflash import DataflashLog
 from .format_error import LogFormatError
 from .query import Query

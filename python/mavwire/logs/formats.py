@@ -1,7 +1,5 @@
 """Formats of tables and logs, their suffixes and compressions."""
 
-from __future__ import annotations
-
 FORMATS = {
     "parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow", "mcap": ".mcap",
     "mcap-json": ".mcap",

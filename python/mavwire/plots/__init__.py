@@ -9,8 +9,6 @@ HTML pages hold everything they need and load nothing; images need matplotlib
 (`pip install 'mavwire[plot]'`), and all of it NumPy.
 """
 
-from __future__ import annotations
-
 from .charts import plot
 from .maps import draw_map
 

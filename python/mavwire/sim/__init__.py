@@ -5,8 +5,6 @@ one link. `Runner` ties either to links of mavutil and to real time; `mavwire si
 it. docs/sim.md says what they can do.
 """
 
-from __future__ import annotations
-
 from .impairment import Impairment
 from .runner import Runner, serve
 from .swarm import Swarm

@@ -1,7 +1,5 @@
 """A command under the name of pymavlink's script, by which it is run."""
 
-from __future__ import annotations
-
 if __name__ == "__main__":
     import sys
 

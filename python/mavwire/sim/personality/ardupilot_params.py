@@ -1,7 +1,5 @@
 """Parameters of the ArduCopter: the ones that matter here, and some that ground stations ask for."""
 
-from __future__ import annotations
-
 from .base import INT8, INT16, INT32, REAL32, table
 
 PARAMS = sorted(

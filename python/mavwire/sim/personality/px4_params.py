@@ -1,7 +1,5 @@
 """Parameters of the PX4 multicopter: the ones that matter here, and some that ground stations ask for."""
 
-from __future__ import annotations
-
 from .base import INT32, REAL32, table
 
 PARAMS = sorted(
