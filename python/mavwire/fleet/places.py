@@ -17,7 +17,7 @@ from typing import Any, SupportsIndex
 from mavwire._native import identify
 from mavwire._text import naming
 from mavwire.logs.format_error import COMPRESSED, LogFormatError
-from mavwire.logs.reading import absolute, check_readable, paths_of
+from mavwire.logs.reading import absolute, check_readable, matches, paths_of
 from mavwire.logs.sources import Source, is_dataflash
 
 IN_MEMORY = 128 << 20
@@ -58,17 +58,15 @@ def expand(
 def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
     path = path.removeprefix("file://").removeprefix("local://")
     if not is_url(path):
-        pattern = glob.has_magic(path) and not os.path.lexists(path)
-        matches = sorted(glob.glob(path, recursive=True)) if pattern else []
-        return [absolute(one) for one in matches or [path]]
+        return [absolute(one) for one in matches(path)]
     if "::" in path or not glob.has_magic(path):
         return [_one_spelling(path)]
     try:
         fs, inner = file_system(path, options)
-        matches = [] if fs.exists(inner) else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
+        found = [] if fs.exists(inner) else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
     except (ImportError, ValueError):
-        matches = []  # which the log's row says
-    return [_one_spelling(one) for one in matches or [path]]
+        found = []  # which the log's row says
+    return [_one_spelling(one) for one in found or [path]]
 
 
 def _one_spelling(url: str) -> str:

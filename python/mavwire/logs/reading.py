@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import os
 import stat
 import sys
@@ -200,7 +201,7 @@ def scan(
     not depend on the size of a log. A text column is always followed by `<name>_raw`.
 
     The first log is looked at right away, the others when their turn comes. Raises what `read`
-    raises, and ValueError if no log is given. Paths are no patterns: use `glob.glob`.
+    raises, and ValueError if no log is given. `"logs/*.tlog"` names all files that match.
     """
     every = logs_of(paths)
     check_readable(every[0])
@@ -334,12 +335,17 @@ def absolute(path: str) -> str:
 
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
-    """One path or several."""
-    if isinstance(paths, bytes | os.PathLike):
-        return [os.fsdecode(paths)]
+    """One path or several. A pattern is replaced by the paths that match it."""
     if hasattr(paths, "read"):  # whose lines are no paths
         raise TypeError(f"a log is named by its path, not given as an open file: {paths!r}")
-    return [os.fsdecode(path) for path in several(paths)]
+    every = [paths] if isinstance(paths, bytes | os.PathLike) else several(paths)
+    return [one for path in every for one in matches(os.fsdecode(path))]
+
+
+def matches(path: str) -> list[str]:
+    """The files that match a pattern, by name. A path that exists, or that no file matches, is itself."""
+    is_pattern = glob.has_magic(path) and not os.path.lexists(path)
+    return (sorted(glob.glob(path, recursive=True)) if is_pattern else []) or [path]
 
 
 def logs_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:

@@ -87,7 +87,7 @@ def test_logs_of_a_type_may_have_other_columns(capsys: Capture, tmp_path: Path) 
     [
         (
             "select * from ATITUDE",
-            "did you mean 'ATTITUDE'?\nmavwire sql: error: no log has a table ATITUDE",
+            "did you mean 'ATTITUDE'?\nmavwire sql: error: ATITUDE could be read from none of the logs",
         ),
         ("selec 1", 'syntax error at or near "selec"'),
         ("select height from VFR_HUD", 'Referenced column "height" not found'),

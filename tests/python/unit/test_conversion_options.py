@@ -306,16 +306,17 @@ def test_info_of_a_raw_stream_says_which_times_it_has(flight, tmp_path, capsys):
     assert "time     none, a log without times" in capsys.readouterr().out
 
 
-def test_a_pattern_in_quotes_is_told_where_patterns_are_taken(flight, tmp_path, capsys):
-    """As names of logs are taken as they are, a missing one may be meant as a pattern."""
-    odd = tmp_path / "odd[1].tlog"
-    shutil.copy(flight, odd)
-    gone = [
-        tmp_path / "in" / name for name in ("*", "flight?.tlog", "flight[12].tlog", "none.tlog")
-    ]
-    command = ["convert", str(odd), *map(str, gone), "-o", str(tmp_path / "out"), "--quiet"]
-    assert cli.main(command) == 1
-    hint = "; patterns are taken with --workers or --scheduler"
-    told = capsys.readouterr().err.splitlines()
-    missing = [f"mavwire convert: {path}: {os.strerror(errno.ENOENT)}" for path in gone]
-    assert told == [*(line + hint for line in missing[:3]), missing[3]]
+def test_a_pattern_names_the_logs_that_match(flight, tmp_path, capsys):
+    """A file whose name looks like a pattern is itself, and a pattern without a match is missing."""
+    logs = [str(tmp_path / "in" / name) for name in ("b.tlog", "a.tlog", "odd[1].tlog")]
+    (tmp_path / "in").mkdir()
+    for log in logs:
+        shutil.copy(flight, log)
+    pattern, gone = str(tmp_path / "in" / "?.tlog"), str(tmp_path / "in" / "none*.tlog")
+    assert [row.path for row in convert(pattern, tmp_path / "1")] == [logs[1], logs[0]]
+    assert [row.path for row in convert(logs[2], tmp_path / "2")] == [logs[2]]
+    rows = sum(map(len, mavwire.scan(flight, "ATTITUDE")))
+    assert sum(map(len, mavwire.scan(pattern, "ATTITUDE"))) == 2 * rows
+    assert cli.main(["convert", pattern, gone, "-o", str(tmp_path / "3"), "--quiet"]) == 1
+    said = capsys.readouterr().err
+    assert said == f"mavwire convert: {gone}: {os.strerror(errno.ENOENT)}\n"

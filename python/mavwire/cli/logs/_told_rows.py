@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from mavwire._text import printable
 from mavwire.cli._errors import tell
@@ -18,14 +18,10 @@ def tell_rows(
     done: str,
     rows: Iterable[Converted],
     args: argparse.Namespace,
-    hint: Callable[[str], str] | None = None,
     tells_empty: bool = True,
     are_tables: bool = False,
 ) -> int:
-    """Say what became of each log, or table of unknown messages; how many failed.
-
-    `hint` is advice for a log that did.
-    """
+    """Say what became of each log, or table of unknown messages; how many failed."""
     failed = 0
     for row in rows:
         is_empty = row.error is None and not row.rows and not row.skipped
@@ -33,8 +29,7 @@ def tell_rows(
             warn_without_records(command, row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
-            advice = "" if hint is None else hint(row.path)
-            tell(f"mavwire {command}: {row.path}: {row.error}{advice}")
+            tell(f"mavwire {command}: {row.path}: {row.error}")
         if row.unknown and args.unknown is None:
             text = unknown_text(counts_of(row.unknown), dialect_module(args.dialect))
             tell(f"mavwire {command}: {row.path}: left out: {text}")

@@ -3,16 +3,14 @@
 One folder for each message type, one file in it for each log; of MCAP one file for each log, which
 Foxglove and PlotJuggler open. And a manifest with what became of every log: a second run does what
 is missing. With --workers or --scheduler many logs are converted at the same time, by processes of
-this machine or a Dask cluster; LOG may then be a pattern or a URL too (needs
+this machine or a Dask cluster; LOG may then be a URL too (needs
 pip install 'mavwire[fleet]').
 """
 
 from __future__ import annotations
 
 import argparse
-import glob
 import os
-from functools import partial
 from typing import Any
 
 from mavwire._signals import ended_in_order
@@ -65,23 +63,12 @@ def main(args: argparse.Namespace) -> int:
     for problem in (undescribed := _undescribed(rows, options["types"] or [])):
         tell(f"mavwire convert: {problem}")
     failed = len(undescribed)
-    hint = None if _is_fleet(args) else partial(_hint, logs=args.logs)
-    failed += tell_rows(
-        "convert", "converted", rows, args, hint, not undescribed, args.from_unknown
-    )
+    failed += tell_rows("convert", "converted", rows, args, not undescribed, args.from_unknown)
     return 1 if failed else 0
 
 
 def _is_fleet(args: argparse.Namespace) -> bool:
     return args.workers is not None or args.scheduler is not None
-
-
-def _hint(path: str, logs: list[str]) -> str:
-    """Advice for a pattern that was taken as the name of a missing log."""
-    patterns = {os.path.abspath(log) for log in logs if glob.has_magic(log)}
-    if path not in patterns or os.path.lexists(path):
-        return ""
-    return "; patterns are taken with --workers or --scheduler"
 
 
 def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:

@@ -67,12 +67,12 @@ def main(args: argparse.Namespace) -> int:
 
 def _load(database: Any, query: str, args: argparse.Namespace) -> bool:
     """Make the tables of messages that a query names; whether a log could not be read."""
-    from mavwire.logs.reading import scan
+    from mavwire.logs.reading import paths_of, scan
 
     options = {**values_of(args), "unknown": "ignore"}
     failed = False
     with Progress("") as bar:
-        for table, (paths, name) in _tables(database, query, args.logs).items():
+        for table, (paths, name) in _tables(database, query, paths_of(args.logs)).items():
             is_made = False
             for number, path in enumerate(paths):
                 bar.update(100 * number / len(paths), f"{name} of {path}")
@@ -83,7 +83,7 @@ def _load(database: Any, query: str, args: argparse.Namespace) -> bool:
                     failed = True
                     tell(f"mavwire sql: {path}: {in_words(error, path)}")
             if not is_made:
-                raise CommandError(f"no log has a table {name}")
+                raise CommandError(f"{name} could be read from none of the logs")
     return failed
 
 
