@@ -1,7 +1,7 @@
 //! Frames without what tells who flew where: positions are shifted, identifiers emptied, signatures and keys removed.
 //!
-//! What a message's fields are is told by their units and names in the definitions. Messages that carry bytes of any
-//! meaning are left out, and so are those that the dialect does not have: nobody can say what is in them.
+//! Units and names in the definitions tell whether a field is a position or an identifier. Messages that carry bytes of
+//! any meaning are left out, and so are messages that the dialect does not define.
 
 mod parameters;
 mod plan;

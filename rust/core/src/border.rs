@@ -1,8 +1,8 @@
-//! What a frame goes through where it enters or leaves a network: signatures verified, put on or taken off, and the other
-//! wire version.
+//! Changes to a frame where it enters or leaves a network: signatures are verified, added or removed, and the frame is
+//! written in the other wire version.
 //!
-//! Frames pass a router as they are. A link that has a border changes them on the way in, before they are routed, and on
-//! the way out. What a message means stays the same; what cannot be said in the other version is refused.
+//! Frames pass a router unchanged. A link that has a border changes them on the way in, before they are routed, and on
+//! the way out. The meaning of a message stays the same. A message that the other version cannot carry is refused.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -20,7 +20,7 @@ use crate::registry::Entry;
 use crate::signing::{SecretKey, SigningState, Verdict, without_signature};
 use crate::x25;
 
-/// What a border does. By default it is open.
+/// The settings of a border. With the defaults it changes and refuses nothing.
 #[derive(Debug, Clone, Default)]
 #[allow(clippy::struct_excessive_bools)] // each is asked for by itself
 pub struct BorderOptions {
@@ -28,15 +28,15 @@ pub struct BorderOptions {
     pub version: Option<WireVersion>,
     /// The key to verify and to sign with.
     pub key: Option<Arc<SecretKey>>,
-    /// What comes in needs a good signature, if there is a key.
+    /// Incoming frames need a valid signature, if there is a key.
     pub verify: bool,
     /// Message ids that may come in without a signature all the same.
     pub unsigned: Vec<u32>,
     /// Frames leave signed by this side, if there is a key. An earlier signature does not matter.
     pub sign: bool,
-    /// Signatures are taken off what comes in, after they were verified.
+    /// Signatures are removed from incoming frames after they were verified.
     pub strip_in: bool,
-    /// Signatures are taken off what leaves.
+    /// Signatures are removed from outgoing frames.
     pub strip_out: bool,
     /// Signatures whose timestamp is further ahead of the clock are not good ones; `None` sets no limit.
     pub max_ahead: Option<u64>,

@@ -59,7 +59,7 @@ pub fn upstream_with(
     Ok(dialect)
 }
 
-/// What one definition file says, includes unresolved. `path` may have folders and `.xml`.
+/// The content of one definition file, with its includes unresolved. `path` may have folders and `.xml`.
 ///
 /// # Errors
 /// There is no file of that name.

@@ -10,7 +10,7 @@ use crate::signing::SETUP_SIGNING;
 use crate::text;
 use mavwire_schema::{Field, Message as Definition};
 
-/// What a line is about.
+/// The subject of one line of a dump.
 pub enum Item<'a> {
     /// A message of the dialect.
     Known {
@@ -62,7 +62,7 @@ impl Item<'_> {
     }
 }
 
-/// What is written for each message.
+/// The format of the line that is written for each message.
 pub enum Style {
     /// Nothing.
     Silent,
@@ -94,7 +94,7 @@ impl Style {
     }
 }
 
-/// What stands before the values of a message type, put together once: three pieces of text in one cost as much as one.
+/// The text in front of each value of a message type. It is joined once per type: one write is cheaper than three.
 pub struct Labels {
     head: String,
     /// Before the value of each field, XML order.

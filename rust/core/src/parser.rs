@@ -13,7 +13,7 @@ const KEEP_CAPACITY: usize = 64 * 1024;
 /// `bytes_needed` of a fresh parser: the shortest MAVLink 1 frame.
 const SHORTEST_FRAME: usize = 8;
 
-/// What was received and not parsed yet.
+/// Bytes received and not parsed yet, with the scanner that finds the frames in them.
 pub struct Parser {
     buffer: Vec<u8>,
     /// Bytes of `buffer` that are parsed.
@@ -129,7 +129,7 @@ impl Parser {
         Ok(self.push(bytes))
     }
 
-    /// What is parsed goes when it is the larger part, so that each byte is moved once in the mean.
+    /// Removes the parsed bytes once they are more than half of the buffer, so that each byte is moved once on average.
     #[inline]
     fn drop_parsed(&mut self) {
         if self.parsed > self.buffer.len() / 2 {
@@ -173,8 +173,8 @@ impl Parser {
         bytes
     }
 
-    /// What stands at the front of bytes that are not the parser's, while it holds none: a good frame or a rejected one
-    /// (only under `Skip`), with its length. Anything else has to go through the buffer.
+    /// The good or rejected frame at the front of bytes outside the parser, with its length. The parser must be empty
+    /// and its policy `Skip`. All other bytes have to go through the buffer.
     pub fn look(&mut self, bytes: &[u8], registry: &Registry) -> Option<(Step, usize)> {
         if self.resync() != Resync::Skip {
             return None;

@@ -15,7 +15,7 @@ const NO_MESSAGE: u16 = u16::MAX;
 /// Messages of several dialects together.
 const MAX_MERGED: usize = 32_768;
 
-/// What scanning needs to know of a message.
+/// The facts about a message that scanning needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
     /// Index into the dialect's messages.

@@ -68,17 +68,17 @@ pub struct LinkOptions {
     pub private: bool,
     /// Gets everything.
     pub sniffer: bool,
-    /// What may come in.
+    /// Frames that may come in.
     pub inbound: Filter,
-    /// What may go out.
+    /// Frames that may go out.
     pub outbound: Filter,
     /// How much may go out.
     pub limits: Limits,
-    /// What frames go through where they leave, which may change how long they are.
+    /// Changes to frames on the way out. They may change the length of a frame.
     pub border: BorderOptions,
 }
 
-/// What became of a frame.
+/// The router's decision about a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
     /// It goes to these links; none where there is no other.
@@ -93,7 +93,7 @@ pub enum Fate {
     Unroutable,
 }
 
-/// What a link's frames came to.
+/// Counts of a link's frames, by the decisions about them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LinkStats {
     /// Frames that came in.
@@ -370,7 +370,7 @@ impl Router {
         }
     }
 
-    /// What a link's frames came to.
+    /// The counts of a link; `None` if there is no such link.
     pub fn link_stats(&self, link: LinkId) -> Option<LinkStats> {
         Some(self.ports.get(link.index())?.as_ref()?.stats)
     }

@@ -23,7 +23,7 @@ use crate::x25;
 use evidence::{Claim, Evidence, fits};
 use window::Window;
 
-/// What follows a rejected frame.
+/// The place where scanning goes on after a rejected frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Resync {
     /// Go on behind the length it claimed, as pymavlink does.
@@ -32,7 +32,7 @@ pub enum Resync {
     Rescan,
 }
 
-/// What stands at the front of the unread bytes. `len` bytes of it are to be taken off before the next look.
+/// The first item in the unread bytes. Remove its `len` bytes before the next look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
     /// A frame whose checksum is right, or unknown for want of a definition.
@@ -54,7 +54,7 @@ pub enum Found {
     Rejected {
         /// At least 1.
         len: usize,
-        /// What was wrong with the (first) candidate.
+        /// The error of the (first) candidate.
         error: FrameError,
     },
     /// The start of a frame.
@@ -64,7 +64,7 @@ pub enum Found {
     },
 }
 
-/// What one candidate is.
+/// The scanner's decision about one candidate.
 enum Verdict {
     Accept { len: usize, header: Header, entry: Option<Entry> },
     Reject { error: FrameError },

@@ -42,7 +42,7 @@ pub enum SigningError {
     TimestampExhausted,
 }
 
-/// What was looked at by [`SigningState::look`].
+/// The streams and the timestamp of frames that [`SigningState::look`] has verified.
 #[derive(Debug, Clone, Default)]
 pub struct Sightings {
     streams: StreamTable,

@@ -11,7 +11,7 @@ use crate::scan::{Found, Resync, Scanner};
 pub struct Piece<'a> {
     /// The bytes that the outcome is about.
     pub bytes: &'a [u8],
-    /// What they are.
+    /// The scanner's outcome for these bytes.
     pub found: Found,
 }
 
@@ -102,7 +102,7 @@ impl Feed<'_> {
         loop {
             let stream = &mut *self.stream;
             if stream.start >= self.carried {
-                // What is left in the buffer was copied from the chunk: go on there.
+                // The rest of the buffer was copied from the chunk: continue in the chunk there.
                 self.at -= stream.buffered();
                 stream.buffer.clear();
                 (stream.start, self.carried) = (0, 0);

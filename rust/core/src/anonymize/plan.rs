@@ -1,4 +1,4 @@
-//! What is changed in the messages of each type, by names and units of their fields.
+//! The plan of changes to the messages of each type, made from the names and units of their fields.
 
 use mavwire_schema::{EnumEntry, Field, FieldType, Message};
 
@@ -82,7 +82,7 @@ pub(super) enum Axis {
     Longitude,
 }
 
-/// What to do with a field.
+/// One change to the fields of a message.
 #[derive(Debug, Clone)]
 pub(super) enum Edit {
     /// A position, so many units to the degree.
@@ -99,7 +99,7 @@ pub(super) enum Edit {
     Command(Vec<(u8, Field)>, Field),
 }
 
-/// What to do with messages of a type.
+/// The treatment of all messages of a type: they are left out or edited.
 #[derive(Debug, Clone)]
 pub(super) enum Plan {
     LeaveOut,

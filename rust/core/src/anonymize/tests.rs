@@ -196,7 +196,7 @@ const KEPT_ANYWHERE: &[&str] = &[
     "vendor_name",
 ];
 
-/// What a field of bytes or a place must not be left out of: a plan of its message that changes it.
+/// Whether the plan of a message changes this field, or leaves the message out.
 fn is_changed(message: &Message, field: &Field) -> bool {
     let Plan::Edit(edits) = plan(message) else { return true };
     edits.iter().any(|edit| match edit {

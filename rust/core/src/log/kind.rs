@@ -1,6 +1,6 @@
-//! What kind of log some bytes begin. Every reader asks here, in Rust and in Python.
+//! Recognition of a log's kind by its first bytes. Every reader asks here, in Rust and in Python.
 //!
-//! The verdict is by content alone. What a reader does with it, and what the name of a file counts for, is its policy.
+//! The verdict is by content alone. Each reader decides itself how it uses the verdict and the name of the file.
 
 use std::sync::LazyLock;
 
@@ -35,7 +35,7 @@ const TEXT_START: usize = 8000;
 /// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
 /// a text log in any case.
 const TEXT_SHARE: usize = 2;
-/// What describes a record in a text log.
+/// The text at the start of each line of a text log that describes a record type.
 const TEXT: &[u8] = b"FMT,";
 /// The same in UTF-16 of either byte order, but for a byte.
 const UTF16_TEXT: &[u8] = b"F\0M\0T\0,";
@@ -104,10 +104,10 @@ pub enum Kind {
     Unknown,
 }
 
-/// What the first bytes of a log say.
+/// The result of [`identify`], with the bytes that it rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict<'a> {
-    /// What kind of log it is.
+    /// The kind of log.
     pub kind: Kind,
     /// The bytes that tell: the first ones, but for damage in front.
     pub telling: &'a [u8],
@@ -130,7 +130,7 @@ impl Kind {
     }
 }
 
-/// What kind of log begins with these bytes. [`MOST`] are enough, and [`WINDOW`] where they show a log.
+/// The kind of log that begins with these bytes. [`MOST`] are enough, and [`WINDOW`] where they show a log.
 pub fn identify(head: &[u8]) -> Kind {
     Verdict::of(head).kind
 }
@@ -236,7 +236,7 @@ fn filler(head: &[u8]) -> usize {
     if matches!(first, 0 | 0xFF) && alike >= FILLER { alike } else { 0 }
 }
 
-/// What a piece of a log is without doubt. Telemetry may carry descriptions whole: a dataflash log that is downloaded.
+/// The kind that these bytes prove. Telemetry is tried before dataflash: it may carry the download of a dataflash log.
 fn of_window(window: &[u8]) -> Option<Kind> {
     if window.starts_with(BINARY) {
         return Some(Kind::Dataflash);

@@ -1,8 +1,8 @@
-//! What may pass a link in one direction, by message, system and component of the sender.
+//! The filter of a link in one direction, by message, system and component of the sender.
 
 use crate::frame::Header;
 
-/// What a list of a filter is about.
+/// The frames' property that a list of a filter compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Message ids.

@@ -1,5 +1,5 @@
-//! What must hold for every network: no frame goes round for ever, none is lost or doubled on the way, and filters take
-//! out what they should and nothing else.
+//! Properties of the router in every network: no frame circulates for ever, none is lost or doubled on the way, and
+//! filters stop exactly the frames that they name.
 
 use super::*;
 use crate::testing::{encode, header, registry};

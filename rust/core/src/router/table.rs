@@ -71,7 +71,7 @@ impl Routes {
     }
 }
 
-/// What was heard from a component.
+/// Counts of the frames received from a component.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ComponentStats {
     /// Frames, without duplicates.
@@ -100,7 +100,7 @@ struct System {
     components: Box<[Option<Box<Component>>; 256]>,
 }
 
-/// Who sent a frame, and what of it counts.
+/// A frame's sender and the numbers of the frame that its counters need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sender {
     pub(super) sysid: u8,

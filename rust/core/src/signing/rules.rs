@@ -9,7 +9,7 @@ use crate::frame::FrameRef;
 pub const NEW_STREAM_WINDOW: u64 = 60 * UNITS_PER_SECOND;
 /// How far received timestamps may move the local one ahead of the clock: one day.
 pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
-/// What received timestamps leave of the 48 bits where there is no clock: a year.
+/// The rest of the 48-bit timestamps that received ones may not use up where there is no clock: one year.
 pub const KEPT_FREE: u64 = 365 * MAX_LOCAL_LEAD;
 
 /// Whether the stream table has the stream of a signed frame.
@@ -21,7 +21,7 @@ pub enum Stream {
     Known,
 }
 
-/// What a frame is worth.
+/// The result of checking a frame's signature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// No key is set, so that nothing can be said. Accepted as not verified.
@@ -30,7 +30,7 @@ pub enum Verdict {
     Unsigned,
     /// Genuine.
     Good {
-        /// What kind of stream it belongs to.
+        /// Whether its stream is new or known.
         stream: Stream,
     },
     /// Not newer than what its stream had already: a replay.
@@ -56,7 +56,7 @@ pub enum Verdict {
     },
     /// The digest is not that of the key.
     Mismatch {
-        /// What kind of stream it claims.
+        /// Whether the stream that it claims is new or known.
         stream: Stream,
     },
 }

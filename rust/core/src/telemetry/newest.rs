@@ -142,7 +142,7 @@ impl<M> Newest<M> {
 pub struct Room {
     shared: usize,
     params: usize,
-    /// What found no room.
+    /// Entries that were refused for lack of room.
     pub refused: u64,
 }
 

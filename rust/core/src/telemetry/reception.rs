@@ -16,7 +16,7 @@ pub struct Sender {
     pub seq: u8,
 }
 
-/// What a link keeps about the messages it received, as plain data.
+/// The state of a link that received messages change, as plain data.
 #[derive(Debug, Default)]
 pub struct Reception {
     /// Last sequence numbers.

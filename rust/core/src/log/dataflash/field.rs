@@ -89,7 +89,7 @@ impl FieldKind {
         }
     }
 
-    /// What one unit of the stored integer is worth; `None` where the value is stored as it is.
+    /// The factor from the stored integer to the field's unit; `None` for values that are stored without one.
     pub fn scale(self) -> Option<f64> {
         match self {
             Self::CentiI16 | Self::CentiU16 | Self::CentiI32 | Self::CentiU32 => Some(0.01),

@@ -1,4 +1,4 @@
-//! What a FMT record says: name, length and fields of a record type.
+//! The content of a FMT record: name, length and fields of a record type.
 
 use std::fmt::Write;
 
@@ -35,7 +35,7 @@ impl Field {
     }
 }
 
-/// What the time field of a record counts.
+/// The unit of a record's time field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeUnit {
     /// `TimeUS`: microseconds since start.
@@ -115,7 +115,7 @@ impl Layout {
     /// Reads the body of a FMT record.
     ///
     /// # Errors
-    /// What makes it no description of a type.
+    /// [`LayoutError`] names the first fault of the description.
     pub fn parse(body: &[u8]) -> Result<Self, LayoutError> {
         let (&[type_id, len], rest) = body.split_first_chunk().ok_or(LayoutError::Malformed)?;
         let (name, rest) = rest.split_at_checked(NAME_LEN).ok_or(LayoutError::Malformed)?;
@@ -125,7 +125,7 @@ impl Layout {
             return Err(LayoutError::Malformed);
         }
         let format = log_text(format);
-        // Before anything is made of the columns: noise is full of what hardly begins like a description.
+        // Checked before the columns are split: noise contains many bytes that look like the start of a FMT record.
         kinds(&name, &format)?;
         Self::new(type_id, len, name, format, split_columns(&log_text(columns)))
     }

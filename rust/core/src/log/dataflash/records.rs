@@ -13,7 +13,7 @@ use super::{HEAD, HEAD_LEN, MAX_RECORD_LEN};
 /// Bytes that decide about any record: its own, those of a record that begins within, and the head behind that.
 pub const LOOK_LEN: usize = 2 * MAX_RECORD_LEN + HEAD.len();
 
-/// What stands at a place.
+/// The next item in the bytes of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
     /// A record of `len` bytes.

@@ -14,7 +14,7 @@ pub const MAX_LINE_LEN: usize = 64 * 1024;
 /// The values of a FMT line; the last are the names of its columns, which have commas between them.
 const FMT_FIELDS: usize = 5;
 
-/// What stands between values: a comma and a space, or a comma alone.
+/// The separator of values in a text log: a comma and a space, or a comma alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Delimiter {
     /// `, `
@@ -24,7 +24,7 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// What the first FMT line in the head of a log uses.
+    /// The delimiter of the first FMT line in the head of a log.
     pub fn of(head: &[u8]) -> Self {
         let first = memchr::memmem::find(head, b"FMT,").and_then(|at| head.get(at + 4));
         if first.is_none_or(|&byte| byte == b' ') { Self::CommaSpace } else { Self::Comma }
@@ -143,7 +143,7 @@ pub fn number(kind: FieldKind, value: &[u8]) -> Option<f64> {
 /// Reads a FMT line.
 ///
 /// # Errors
-/// What makes it no description of a type.
+/// [`LayoutError`] names the first fault of the description.
 pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
     let values = text_values(line, delimiter, "FMT");
     let &[type_id, len, name, format, columns] = values.as_slice() else {
@@ -205,7 +205,7 @@ impl TextDefinitions {
         self.layouts.push(Arc::new(layout));
     }
 
-    /// What stands between values.
+    /// The separator of values in this log.
     pub fn delimiter(&self) -> Delimiter {
         self.delimiter
     }

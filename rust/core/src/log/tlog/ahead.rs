@@ -22,7 +22,7 @@ pub struct Checked {
     pub len: u16,
 }
 
-/// What decides whether a record is good.
+/// The conditions under which a record is good.
 #[derive(Clone, Copy)]
 pub struct Rules<'a> {
     /// The definitions of messages.
@@ -37,7 +37,8 @@ pub struct Rules<'a> {
 pub struct Ahead {
     records: Vec<Checked>,
     next: usize,
-    /// What the records were checked with. The definitions are held, so that no others can take their address.
+    /// The scanner that checked the records. `registry` keeps its definitions alive, so that no others get their
+    /// address.
     scanner: Scanner,
     registry: Option<Arc<Registry>>,
     /// Records to look at next time: few after a jump, since the next jump may be near.

@@ -1,4 +1,4 @@
-//! What a telemetry log may hold of a frame (MAVLink guide, "Message Signing", "Logging").
+//! The part of a frame that a telemetry log may hold (MAVLink guide, "Message Signing", "Logging").
 //!
 //! Logs are passed around. A signature proves nothing to a reader without the key, so it is left out, and the key of
 //! `SETUP_SIGNING` is overwritten.

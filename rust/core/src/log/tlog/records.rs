@@ -9,7 +9,7 @@ use crate::frame::Header;
 use crate::registry::{Entry, Registry};
 use crate::scan::{Found, Resync, Scanner};
 
-/// What stands at the front of the unread bytes of a log.
+/// The next item in the unread bytes of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FoundRecord {
     /// A record; `len` bytes, of which the first eight are the stamp, unless it has none.

@@ -1,9 +1,9 @@
 //! Good records that follow each other, found from any place in a log.
 //!
-//! What a [`super::RecordScanner`] finds depends on what came before, but hardly ever: where it stands at the start of a
-//! good record of a known message with nothing in doubt, it takes that record, and then stands like that again. So runs of
-//! such records can be looked for everywhere at once and by guess. A guess that was wrong is never reached by the scanner;
-//! one that it reaches at a record's start is what it would have found itself, and it passes over the rest of the run.
+//! The result of a [`super::RecordScanner`] hardly ever depends on earlier bytes. At the start of a good record of a
+//! known message, with no doubt left, it takes the record and is in the same state again. So threads can search for
+//! runs of such records from any guessed start. The scanner never reaches a run that began with a wrong guess. Where it
+//! reaches a record of a run, it would have found the same records, and it skips the rest of the run.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::frame::SIGNATURE_LEN;
 use crate::registry::Registry;
 use crate::scan::{Resync, Scanner, distance_to_stx};
 
-/// What a failed guess costs at most, counted in bytes of the frame that it claims to be.
+/// The cost of a failed guess at most, in bytes: those of the frame that it claims to be.
 const GUESS_COST: usize = 255 + SIGNATURE_LEN;
 
 /// Bytes of few records: room for one in so many spares nearly every log the growing.
@@ -36,7 +36,7 @@ pub struct Run {
     pub records: Range<usize>,
 }
 
-/// What was found in a stretch.
+/// The runs that were found in a stretch of a log.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Runs {
     /// The runs in the order of the log.

@@ -18,12 +18,12 @@ pub fn are_near(one: u64, other: u64) -> bool {
     one.abs_diff(other) < MAX_JUMP
 }
 
-/// What the record before says about the stamp of one behind damage.
+/// The time of the previous record. It decides whether the stamp of a record after damage is believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Before {
     /// The time that it was given.
     pub time: u64,
-    /// What its stamp said.
+    /// Its time stamp in the log, which may be wrong.
     pub stamp: u64,
 }
 

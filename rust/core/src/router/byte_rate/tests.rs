@@ -80,7 +80,7 @@ struct Passed {
     lead: f64,
 }
 
-/// What passes of a vehicle's messages, which come one behind the other in each tenth of a second.
+/// The messages that a byte rate lets pass. Each tenth of a second the vehicle sends those that are due in a row.
 fn passed(rate: f64, kinds: &[Kind], urgent: &[u32], seconds: u64) -> Passed {
     let mut link = Link::new(rate);
     let (mut counts, mut total, mut lead) = (vec![0; kinds.len()], 0, 0.0);
@@ -104,8 +104,8 @@ fn passed(rate: f64, kinds: &[Kind], urgent: &[u32], seconds: u64) -> Passed {
     Passed { counts, bytes: total, lead: mean }
 }
 
-/// What should pass a second of streams that come so often a second, with so many bytes: as much as there is of each, or
-/// as often as the others (max-min fairness).
+/// The fair rate of each stream, in messages per second, by max-min fairness. A stream is given as its rate and message
+/// size. It gets its own rate, or the largest rate that all others get too.
 fn fair(rate: f64, streams: &[(f64, usize)]) -> Vec<f64> {
     let bytes =
         |most: f64| -> f64 { streams.iter().map(|&(hz, len)| hz.min(most) * len as f64).sum() };

@@ -87,7 +87,7 @@ fn shares(streams: &[Stream], pattern: Pattern, rate: f64) -> Vec<f64> {
     even.iter().zip(odd).map(|(one, other)| f64::midpoint(*one, other) * SECONDS).collect()
 }
 
-/// What the streams of a mix have of their shares, those that have 20 messages to expect.
+/// Messages that passed, divided by the fair share, for each stream of a mix whose share is 20 messages or more.
 fn shares_got(seed: u64, pattern: Pattern) -> Vec<f64> {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let count = 2 + (30.0 * random.next()) as usize;
