@@ -91,7 +91,7 @@ impl Address {
         with_flow(self.0, u32::to_be)
     }
 
-    /// What the operating system wrote; `None` for addresses of other families.
+    /// The address that the operating system wrote; `None` for addresses of other families than IPv4 and IPv6.
     #[cfg(unix)]
     pub fn from_os(name: &libc::sockaddr_storage) -> Option<Self> {
         match i32::from(name.ss_family) {

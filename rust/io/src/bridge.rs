@@ -62,8 +62,8 @@ use switch::Switch;
 
 /// Commands that may wait. Further ones make their sender wait.
 const MAX_COMMANDS: usize = 1024;
-/// What the program sends becomes commands of whole frames with so many bytes: 4 MiB may wait, and links wait for no more
-/// than the commands of a round.
+/// Bytes of whole frames in one command. The program's frames wait as such commands, 4 MiB at most, and links wait for
+/// no more than the commands of a round.
 const SENT_PIECE: usize = 4096;
 
 /// The number of errors to which the system gives none: an unknown name, a path that is not a device.
@@ -77,7 +77,7 @@ pub enum BridgeError {
     Io {
         /// Its name.
         link: String,
-        /// What the operating system says.
+        /// The error of the operating system.
         error: io::Error,
     },
     /// Two links of one name.
@@ -89,7 +89,7 @@ pub enum BridgeError {
     /// More links than a router can tell apart.
     #[error("there are too many links and peers; 255 are the limit")]
     TooManyLinks,
-    /// What the program sends is not one whole frame behind the other.
+    /// The program sends bytes that are not a sequence of whole frames.
     #[error("no whole frame at byte {at} of {len}: send whole frames")]
     NoFrame {
         /// Where the frame ought to begin.
@@ -104,7 +104,7 @@ pub enum BridgeError {
         at: usize,
         /// Bytes in all.
         len: usize,
-        /// What is wrong with it.
+        /// The fault of the frame.
         error: FrameError,
     },
     /// The bridge runs no more.
@@ -123,7 +123,7 @@ impl LinkSpec {
     /// Opens a link as far as that takes no time. Looking up a name takes as long as its servers do.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn open(mut self) -> Result<OpenLink, BridgeError> {
         match self.endpoint.open() {
             Ok(opened) => Ok(OpenLink { spec: self, opened }),
@@ -165,7 +165,7 @@ impl Bridge {
     /// Starts a bridge without links.
     ///
     /// # Errors
-    /// What the operating system says of the recording, or of a new thread.
+    /// Errors of the operating system, from the recording's files or the start of a thread.
     pub fn start(
         registry: Arc<Registry>,
         settings: Settings,
@@ -257,7 +257,7 @@ impl Bridge {
         pieces.into_iter().try_for_each(|piece| self.tell(Command::Send(frames[piece].into())))
     }
 
-    /// What came by.
+    /// The frames that passed the bridge: the newest of each kind, and taps.
     ///
     /// # Errors
     /// The bridge runs in the process that this one was forked from. Here nothing comes by, and a lock that the thread

@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// What one read takes at most.
+/// Bytes that one read takes at most.
 pub const READ_SIZE: usize = 64 * 1024;
 
 /// The flag of a send by which the end of a connection is an error, even in a program that restored SIGPIPE. Systems

@@ -44,7 +44,7 @@ impl Inbox {
         self.used == self.datagrams.len()
     }
 
-    /// What is left of the first datagram, and who sent it.
+    /// The unused rest of the first datagram, and its sender's address.
     #[inline]
     pub fn front(&self) -> Option<(&[u8], Address)> {
         let datagram = self.datagrams.get(self.used)?;

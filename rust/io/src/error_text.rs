@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// What is said about an error, without the number that Rust puts behind it: "Connection refused", not "(os error 111)".
+/// The text of an error without the number that Rust adds: "Connection refused", not "(os error 111)".
 #[must_use]
 pub fn in_words(error: &io::Error) -> String {
     let mut text = error.to_string();

@@ -17,7 +17,8 @@ use std::thread;
 /// Opens a file for reading it once.
 ///
 /// # Errors
-/// What the operating system says; a pipe or a socket, whose opening may never end; a device, whose bytes may not.
+/// Errors of the operating system. Pipes and sockets are refused, since opening one may never end, and devices, since
+/// their bytes may not.
 pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     check_kind(path)?;
     Ok(Box::new(File::open(path)?))
@@ -59,9 +60,9 @@ pub fn open_part(path: &Path, bytes: Range<u64>) -> io::Result<Box<dyn Read + Se
 /// Why a file could not be written, and which; within an [`io::Error`] of the same kind.
 #[derive(Debug)]
 pub struct Unwritten {
-    /// What was to be written.
+    /// The path of the file that was to be written.
     pub path: PathBuf,
-    /// What the operating system says.
+    /// The error of the operating system.
     pub error: io::Error,
 }
 
@@ -77,7 +78,7 @@ impl Error for Unwritten {
     }
 }
 
-/// What the operating system says of writing a file, with its name.
+/// Adds the name of the file to an error of writing it.
 fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
     done.map_err(|error| io::Error::new(error.kind(), Unwritten { path: path.to_owned(), error }))
 }
@@ -88,7 +89,7 @@ fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
 pub struct Draft {
     file: Option<BufWriter<File>>,
     path: PathBuf,
-    /// What it is called now: a name of its own, then `path`.
+    /// Its current name: a temporary one, then `path`.
     name: PathBuf,
     /// Folders that were not there before, the innermost first.
     made: Vec<PathBuf>,
@@ -100,7 +101,7 @@ impl Draft {
     /// Begins the file that is to be at `path`, with the folders it stands in.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn create(path: &Path) -> io::Result<Self> {
         let begun = match begin(path) {
             // Another draft, which was given up, has taken its folder with it.
@@ -109,7 +110,8 @@ impl Draft {
         };
         let (file, name, made) = naming(path, begun)?;
         if let Ok(before) = std::fs::metadata(path) {
-            // Who may read what is there may read what takes its place; a file system may know no such thing.
+            // The new file gets the permissions of the one that it replaces. Some file systems have none: ignore
+            // errors.
             let _ = file.set_permissions(before.permissions());
         }
         let file = BufWriter::with_capacity(64 << 10, file);
@@ -119,7 +121,7 @@ impl Draft {
     /// Gives the file its name, in place of any that has it.
     ///
     /// # Errors
-    /// What the operating system says; the file is removed then.
+    /// Errors of the operating system; the file is removed then.
     pub fn commit(mut self) -> io::Result<()> {
         self.sync()?;
         self.publish()?;
@@ -153,7 +155,7 @@ const WAITING: usize = 16;
 /// Gives all files their names, once all of them are on the disk.
 ///
 /// # Errors
-/// What the operating system says of one of them; none of them is there then, and no folder that was made for them.
+/// Errors of the operating system about any of them. Then all are removed, and the folders that were made for them.
 pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
     let done = sync_all(&mut drafts).and_then(|()| drafts.iter_mut().try_for_each(Draft::publish));
     // Backwards: the first of them made the folders that all are in, which go with it.
@@ -184,13 +186,13 @@ fn sync_all(drafts: &mut [Draft]) -> io::Result<()> {
 /// Bytes of a name that leave room for what a draft's name has more; file systems take 255.
 const LONG_NAME: usize = 200;
 
-/// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.
+/// The start of a file's temporary name: its final name, or a hash of it where that name is long.
 pub fn draft_stem(name: &OsStr) -> Cow<'_, OsStr> {
     let bytes = name.as_encoded_bytes();
     if bytes.len() <= LONG_NAME {
         return Cow::Borrowed(name);
     }
-    // FNV-1a: the same in each version, since what a killed process left is looked for by it.
+    // FNV-1a, because it is the same in each version: a later one finds the files of a killed process by it.
     let hash = bytes.iter().fold(0xCBF2_9CE4_8422_2325_u64, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
     });
@@ -318,7 +320,7 @@ mod tests {
             let drafts = ["new/a", "new/b", "new/c", "new/d"].map(draft);
             std::fs::create_dir(folder.join(wrong).join("log")).expect("creating");
             commit_all(drafts.into()).expect_err("a folder has the name");
-            // What another one made stays.
+            // The folder that another process made stays.
             std::fs::remove_dir(folder.join(wrong).join("log")).expect("it is there");
             std::fs::remove_dir(folder.join(wrong)).expect("it is there");
             std::fs::remove_dir(folder.join("new")).expect("nothing else is");

@@ -24,7 +24,7 @@ pub enum Transport {
     Stream,
 }
 
-/// What came of reading.
+/// The result of one read from a link.
 pub enum Arrived {
     /// Also says how many bytes went into the parser.
     Data(usize),
@@ -34,7 +34,7 @@ pub enum Arrived {
     Trouble,
 }
 
-/// What a live link has received and not handed out.
+/// The receiving state of a live link: datagrams not parsed yet, their peers, and how reading ended.
 #[derive(Default)]
 pub struct LiveSource {
     /// How the descriptor is read.

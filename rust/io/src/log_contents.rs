@@ -86,7 +86,7 @@ impl<'a> LogContents<'a> {
         now
     }
 
-    /// What was added up, and whether units came behind records that they describe.
+    /// The contents, and whether units came after records that they describe.
     pub(crate) fn finish(mut self) -> (Contents, bool) {
         for index in 0..self.layouts.len() {
             self.instance_field(index);

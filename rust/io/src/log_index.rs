@@ -159,7 +159,7 @@ const LONGEST_STEP: u64 = u16::MAX as u64;
 /// Bytes of the shortest record: a time stamp and a frame of version 1 without payload.
 const SHORTEST: usize = STAMP_LEN + HEADER_LEN_V1 + CHECKSUM_LEN;
 
-/// What the index knows of a message.
+/// The index's facts about a message.
 #[derive(Clone, Copy)]
 struct Kind {
     /// Its records.

@@ -55,7 +55,7 @@ pub struct LogReader {
     after_damage: bool,
     /// Time of the last message that was not.
     pub last_good: Option<f64>,
-    /// What the stamp of that one said if it was not believed, and the time that it was given.
+    /// The last good record's stamp in the log, if that was not believed, and the time that the record got instead.
     distrusted: Option<(u64, f64)>,
     /// Number of the link that the record came from.
     pub link: u8,
@@ -375,7 +375,7 @@ impl LogReader {
         doubted.is_none()
     }
 
-    /// What the last good record says about the stamp of one behind damage.
+    /// The time and the stamp of the last good record, which judge the stamp of one after damage.
     fn before(&self, last: f64) -> Before {
         let time = (last * 1e6).round() as u64;
         // Others may have come since the one that was not believed.

@@ -1,4 +1,4 @@
-//! Who sends to a datagram link, and the half frames that each sender left behind.
+//! The peers of a datagram link, and the half frames that each of them left behind.
 //!
 //! Frames may be cut anywhere, so every peer's bytes are joined with its own only. A peer costs a few bytes, but anyone can
 //! send from any number of addresses: the table is capped, and peers that never sent a good frame make room first.

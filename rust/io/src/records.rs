@@ -28,7 +28,7 @@ impl RecordFinder {
     /// start of a record.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     #[inline]
     pub fn look(
         &mut self,

@@ -43,7 +43,7 @@ impl FileWindow {
     /// Opens a file for reading.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn open(path: &Path) -> io::Result<Self> {
         Self::in_chunks(path, CHUNK)
     }
@@ -51,7 +51,7 @@ impl FileWindow {
     /// The same with another number of bytes read at a time: over a small file the window moves if that is small.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
         Ok(Self {
             file: Arc::new(File::open(path)?),
@@ -65,7 +65,7 @@ impl FileWindow {
     /// Bytes of the file now.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn size(&self) -> io::Result<u64> {
         Ok(self.file.metadata()?.len())
     }
@@ -73,7 +73,7 @@ impl FileWindow {
     /// The bytes from `offset` on: `wanted` or more, fewer only where the file ends.
     ///
     /// # Errors
-    /// What the operating system says; `OutOfMemory` where there is no memory for so many.
+    /// Errors of the operating system; `OutOfMemory` where there is no memory for so many bytes.
     #[inline]
     pub fn at(&mut self, offset: u64, wanted: usize) -> io::Result<&[u8]> {
         if let Some(skip) = offset.checked_sub(self.start)

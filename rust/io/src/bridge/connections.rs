@@ -251,7 +251,7 @@ impl EventLoop {
         }
     }
 
-    /// What became of an attempt to connect.
+    /// Takes the result of an attempt to connect.
     pub(super) fn dialled(&mut self, number: u32, result: io::Result<Wire>) {
         let now = self.switch.moment.now;
         let Some(link) = self.links.get_mut(&number) else { return };

@@ -93,7 +93,7 @@ pub struct LinkSpec {
     pub name: String,
     /// Where it leads.
     pub endpoint: Endpoint,
-    /// What each of its peers gets.
+    /// The settings of each of its peers in the router.
     pub port: PortSpec,
     /// A peer of a UDP server is forgotten after this long without a good frame, and a connection ends whose other side
     /// acknowledges nothing for so long.
@@ -247,7 +247,7 @@ fn resolve(host: &str, port: u16) -> io::Result<Vec<SocketAddr>> {
     if addresses.is_empty() { Err(io::ErrorKind::AddrNotAvailable.into()) } else { Ok(addresses) }
 }
 
-/// What works with the first of a host's addresses that it works with.
+/// Tries the addresses of a host in turn: the first successful result, or the error of the last address.
 fn first_of<T>(
     host: &str,
     port: u16,

@@ -243,7 +243,8 @@ impl EventLoop {
         let mut inbox = std::mem::take(&mut self.inbox);
         let mut read = 0;
         for _ in 0..TURNS {
-            // What a socket says of an earlier datagram to a peer that is not there is no matter of reading.
+            // A socket may report an error about an earlier datagram, to a peer that is gone. It does not concern
+            // reading.
             let Ok(count) = inbox.fill(socket.as_raw_fd(), None) else { break };
             while let Some((bytes, from)) = inbox.front() {
                 let len = bytes.len();

@@ -81,7 +81,7 @@ fn text_of(texts: &mut StatusTexts<(u8, u8)>, frame: &[u8]) -> Option<Vec<u8>> {
     ended.rev().find(|&(of, _)| of == sender).map(|(_, text)| text)
 }
 
-/// What event loop and program share.
+/// The newest frames and the taps, shared by the event loop and the program.
 #[derive(Debug)]
 pub struct Hub {
     home: Home,

@@ -3,7 +3,7 @@
 /// Steps in each doubling, as a power of two: a value is known to an eighth.
 const STEP_BITS: u32 = 3;
 const STEPS: usize = 1 << STEP_BITS;
-/// What 32 bits of microseconds need.
+/// Buckets for all durations that fit 32 bits of microseconds.
 const BUCKETS: usize = (u32::BITS - STEP_BITS + 1) as usize * STEPS;
 
 /// Counts of durations in microseconds.

@@ -1,5 +1,5 @@
-//! What waits to leave through a link: whole frames, so many bytes at most. A link that cannot keep up loses its oldest
-//! frames, the urgent ones last, and no other link waits for it.
+//! The queue of whole frames that wait to leave through a link, limited in bytes. A link that cannot keep up loses its
+//! oldest frames, the urgent ones last. No other link waits for it.
 
 use std::io;
 
@@ -196,7 +196,7 @@ mod tests {
         vec![n; 100]
     }
 
-    /// What a stream gets that takes `chunk` bytes at a time.
+    /// The bytes that a stream receives if it takes `chunk` bytes at a time.
     fn drain(outbox: &mut Outbox, chunk: usize) -> Vec<u8> {
         let mut out = Vec::new();
         let write = |bytes: &[u8]| {

@@ -246,7 +246,7 @@ impl Port {
         self.overrun.into_iter().chain(now).reduce(|before, now| before + now)
     }
 
-    /// What came in datagrams so far ends with something that may be the beginning of a frame.
+    /// The datagrams so far end with bytes that may be the beginning of a frame.
     #[inline]
     pub(super) fn waits_for_datagram(&self) -> bool {
         matches!(self.wire, Wire::Datagrams(..))
@@ -265,7 +265,7 @@ impl Port {
         self.traffic.junk_bytes += junk_bytes;
     }
 
-    /// What became of its frames; `routed` stays empty.
+    /// The counts of its frames; `routed` stays empty.
     pub(super) fn traffic(&self) -> Traffic {
         Traffic {
             sent: self.outbox.sent,

@@ -35,11 +35,11 @@ pub struct Recording {
     pub max_bytes: Option<u64>,
     /// A new log is begun when one is this old.
     pub max_age: Option<Duration>,
-    /// What was received is handed to the operating system after this long at the latest.
+    /// Received frames are handed to the operating system after this long at the latest.
     pub flush_interval: Duration,
 }
 
-/// What was recorded.
+/// The state of a recording: its current log, and counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RecordingStats {
     /// The log that is being written.
@@ -108,7 +108,7 @@ impl Recorder {
     /// Begins the first log.
     ///
     /// # Errors
-    /// What the operating system says of directory or file.
+    /// Errors of the operating system, from the directory or the file.
     pub(super) fn start(recording: Recording) -> io::Result<Self> {
         std::fs::create_dir_all(&recording.directory)?;
         let log = Log::begin(&recording.directory)?;

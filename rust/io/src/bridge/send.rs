@@ -166,7 +166,7 @@ mod tests {
     use std::net::Ipv4Addr;
     use std::time::Duration;
 
-    /// What arrives of datagrams of these lengths that lie side by side, and how many calls it took.
+    /// Sends adjacent datagrams of these lengths: the number of calls, and the datagrams as they arrived.
     fn sent(
         host: &str,
         lens: &[usize],

@@ -9,7 +9,8 @@ use std::path::Path;
 /// Opens a port raw: 8 data bits, no parity, one stop bit, nothing waited for.
 ///
 /// # Errors
-/// What the operating system says; `InvalidInput` for a speed that the port does not have, and for what is no port.
+/// Errors of the operating system; `InvalidInput` for a speed that the port lacks, and for a path that is not a serial
+/// port.
 pub(super) fn open(path: &Path, baud: u32, flow_control: bool) -> io::Result<File> {
     let flags = libc::O_NONBLOCK | libc::O_NOCTTY;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;

@@ -35,7 +35,7 @@ pub(super) fn enlarge(socket: &UdpSocket) {
 /// host that vanished says no goodbye.
 ///
 /// # Errors
-/// What the operating system says.
+/// Errors of the operating system.
 #[cfg(target_os = "linux")]
 pub(super) fn limit_silence(stream: &TcpStream, patience: Duration) -> io::Result<()> {
     let whole = |time: Duration| i32::try_from(time.as_secs()).unwrap_or(i32::MAX).clamp(1, 32_767);
@@ -49,7 +49,7 @@ pub(super) fn limit_silence(stream: &TcpStream, patience: Duration) -> io::Resul
 /// The same with the times of the system.
 ///
 /// # Errors
-/// What the operating system says.
+/// Errors of the operating system.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn limit_silence(stream: &TcpStream, _: Duration) -> io::Result<()> {
     set(stream, libc::SOL_SOCKET, libc::SO_KEEPALIVE, 1)

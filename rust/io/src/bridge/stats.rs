@@ -24,7 +24,7 @@ pub struct Stats {
     pub recording: Option<RecordingStats>,
 }
 
-/// What became of the frames of a link.
+/// Counts of a link's frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Frames that came in, by what the router did with them.
@@ -110,7 +110,7 @@ pub struct LinkReport {
     pub peer: Option<String>,
     /// `up`, `connecting`, `listening`, or `down` for good.
     pub state: &'static str,
-    /// What became of its frames.
+    /// Counts of its frames.
     pub traffic: Traffic,
     /// Messages that the dialect does not define.
     pub unknown: UnknownCounts,
@@ -136,7 +136,7 @@ pub struct ComponentReport {
     pub sysid: u8,
     /// Component id.
     pub compid: u8,
-    /// What came from it.
+    /// Counts of the frames received from it.
     pub stats: ComponentStats,
     /// Seconds since the last of it.
     pub age: f64,

@@ -31,7 +31,7 @@ pub(super) struct Moment {
     pub(super) unix: u64,
 }
 
-/// What pieces of a stream were.
+/// Damaged frames and foreign bytes in a piece of a stream, and whether a frame proved its sender.
 #[derive(Debug, Default)]
 struct Tally {
     damaged: u64,
@@ -53,7 +53,7 @@ pub(super) struct Switch {
     pub(super) dirty: LinkSet,
     /// A port that takes more has a queue that is half full: time to send.
     pub(super) crowded: bool,
-    /// What came in this round, for the program around the bridge and for the recording.
+    /// The frames received in this round, for the program around the bridge and for the recording.
     pub(super) arrived: Frames,
     pub(super) moment: Moment,
 }

@@ -45,7 +45,7 @@ impl Waiting {
     }
 }
 
-/// What tap and event loop share.
+/// The queue of a tap, which the event loop fills and the program empties.
 #[derive(Debug)]
 pub(super) struct TapShared {
     home: Home,

@@ -275,7 +275,7 @@ fn junk_is_counted_and_goes_no_further() {
     let mut hostile = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
     let mut broken = heartbeat(9, 0);
     broken[12] ^= 1;
-    // What looks like the start of a frame is waited for, so good frames have to follow.
+    // The parser waits for the rest of anything that looks like the start of a frame, so good frames have to follow.
     let good: Vec<u8> = (0..40).flat_map(|seq| heartbeat(1, seq)).collect();
     hostile.write_all(&[&vec![0xFE; 70_000][..], b"junk", &broken, &good].concat()).unwrap();
     for seq in 0..20 {

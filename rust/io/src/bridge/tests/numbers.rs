@@ -1,4 +1,4 @@
-//! What the counters say, and numbers that are handed out.
+//! Tests of the counters, and of the numbers that the bridge hands out.
 
 use super::*;
 use mavwire_core::border::BorderOptions;

@@ -1,4 +1,4 @@
-//! What a recording holds, and where.
+//! Tests of recordings: the frames in them, and the files and directories that they make.
 
 use super::*;
 use std::path::Path;
