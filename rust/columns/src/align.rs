@@ -26,7 +26,7 @@ pub enum Method {
 /// Values of an aligned table at most, some 4 GiB: what a mistaken rate, or a log made for it, may cost.
 const MOST_VALUES: u64 = 1 << 29;
 
-/// What ticks.
+/// The source of the times at which an aligned table has a row.
 #[derive(Debug, Clone)]
 pub enum Clock {
     /// The times of a table.

@@ -43,7 +43,7 @@ pub struct Growing {
     valid_elements: NullBufferBuilder,
     /// The rule for invalid values.
     invalid: Option<InvalidRule>,
-    /// What numbers are scaled by, to floats of 64 bits.
+    /// The factor of scaled numbers, which become floats of 64 bits.
     scale: Option<Scale>,
     /// Numbers of a row.
     elements: usize,
@@ -197,7 +197,7 @@ impl Growing {
     /// The appended values as arrow has them; the column is empty then.
     ///
     /// # Errors
-    /// What arrow says; a mistake of this crate.
+    /// Errors of arrow, which only a mistake of this crate causes.
     pub fn take(&mut self, column: &Column) -> Result<ArrayRef, ArrowError> {
         let valid = (self.valid.finish(), self.valid_elements.finish());
         let bits = match &mut self.values {

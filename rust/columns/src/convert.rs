@@ -95,7 +95,7 @@ impl<W: Write + Send> Sink<W> {
     /// Begins a file of batches with this schema.
     ///
     /// # Errors
-    /// What the writers say.
+    /// Errors of the writers.
     pub fn new(
         out: W,
         schema: &SchemaRef,
@@ -143,7 +143,7 @@ impl<W: Write + Send> Sink<W> {
     /// Writes a batch.
     ///
     /// # Errors
-    /// What the writers say.
+    /// Errors of the writers.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         match &mut self.writer {
             Writer::Parquet(writer) => writer.write(batch)?,
@@ -160,7 +160,7 @@ impl<W: Write + Send> Sink<W> {
     /// Writes what belongs at the end, and gives the output back.
     ///
     /// # Errors
-    /// What the writers say.
+    /// Errors of the writers.
     pub fn finish(self) -> Result<W, Error> {
         Ok(match self.writer {
             Writer::Parquet(writer) => writer.finish()?,
@@ -182,7 +182,7 @@ pub fn moments(batch: &RecordBatch) -> impl Iterator<Item = RecordBatch> {
 /// Writes to many files on all processors, to each its batches in order.
 ///
 /// # Errors
-/// What the writers say.
+/// Errors of the writers.
 pub fn write_all<W: Write + Send>(
     work: Vec<(&mut Sink<W>, Vec<&RecordBatch>)>,
 ) -> Result<(), Error> {

@@ -51,7 +51,7 @@ impl Decoder {
         let tables = Tables::new(messages.len(), limits);
         let strides: Vec<usize> =
             messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
-        // What is scaled takes 8 bytes for each element.
+        // Scaled values take 8 bytes for each element.
         let widened = if options.si { size_of::<f64>() } else { 1 };
         let names_len =
             |one| if options.enum_names { names_len(one, registry.dialect()) } else { 0 };
@@ -168,7 +168,8 @@ impl Decoder {
     }
 }
 
-/// Who sent a frame, and its payload as far as the message goes.
+/// Fills a row with the sender and the payload of a frame, and with zeros where the payload is shorter than the
+/// message.
 fn fill(row: &mut [u8], frame: &[u8]) {
     let Some(header) = Header::parse(frame) else { return row.fill(0) };
     (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);

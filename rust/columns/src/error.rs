@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of this crate.
 
 use crate::common_schema::MixedColumn;
 
@@ -8,13 +8,13 @@ pub enum Error {
     /// The log could not be read, or the output not be written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// What arrow says.
+    /// An error of arrow.
     #[error(transparent)]
     Arrow(#[from] arrow::error::ArrowError),
-    /// What parquet says.
+    /// An error of parquet.
     #[error(transparent)]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// What mcap says.
+    /// An error of the `mcap` crate.
     #[error("MCAP: {0}")]
     Mcap(mcap::McapError),
     /// An MCAP file of a log without times.
@@ -36,7 +36,7 @@ pub enum Error {
     NoColumn {
         /// The message.
         message: String,
-        /// What was asked for.
+        /// The column that was asked for.
         column: String,
     },
     /// The types of a column in two logs have no common type.

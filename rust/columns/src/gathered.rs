@@ -158,7 +158,7 @@ fn stored_type(plain: &DataType, widest: bool) -> DataType {
     }
 }
 
-/// What Delta Lake calls a type; that of the elements in `array<...>`.
+/// The name of a type in Delta Lake. An array is `array<...>` of its elements' name.
 fn delta_type(stored: &DataType) -> String {
     let name = match stored {
         DataType::Int8 => "byte",

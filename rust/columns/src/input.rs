@@ -49,7 +49,7 @@ impl Steps {
 /// Decompresses gzip and zstd, recognised by their first bytes.
 ///
 /// # Errors
-/// What reading says.
+/// Errors of reading.
 pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
@@ -68,7 +68,7 @@ fn head_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     match read {
         Err(error) if head.is_empty() => Err(error),
         Ok(kind::WINDOW) if !kind::identify(&head).is_log() => {
-            // What cannot be read further on is found missing when the log is read.
+            // Errors further on are reported when the log itself is read.
             let _ = source.take((kind::MOST - kind::WINDOW) as u64).read_to_end(&mut head);
             Ok(head)
         }
@@ -76,18 +76,18 @@ fn head_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// What kind of log a source is, as it stands.
+/// The kind of a source's bytes, which are not decompressed first.
 ///
 /// # Errors
-/// What reading says.
+/// Errors of reading.
 pub fn identify(source: Box<dyn Read + Send>) -> io::Result<Kind> {
     Ok(kind::identify(&head_of(source)?))
 }
 
-/// What kind of log is in a source, which may be compressed. What is damaged further on is still what it is.
+/// The kind of a log that may be compressed. Damage further on does not change the kind.
 ///
 /// # Errors
-/// What reading the file says.
+/// Errors of reading the file.
 pub fn identify_content(source: Box<dyn Read + Send>) -> io::Result<Kind> {
     match decompressed(source).and_then(head_of) {
         Err(error) if error.raw_os_error().is_some() => Err(error),
@@ -98,7 +98,7 @@ pub fn identify_content(source: Box<dyn Read + Send>) -> io::Result<Kind> {
 /// How a telemetry log is framed that is not compressed, by its first bytes.
 ///
 /// # Errors
-/// What reading says.
+/// Errors of reading.
 pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Result<Framing> {
     Ok(Verdict::of(&head_of(source)?).framing(registry))
 }
@@ -170,7 +170,7 @@ pub struct Blocks {
     block: usize,
     now: Buffer,
     next: Buffer,
-    /// What reading ahead gave; `None` before the first look.
+    /// The result of reading ahead; `None` before the first look.
     ahead: Option<io::Result<usize>>,
     damage: Option<String>,
 }
@@ -179,7 +179,7 @@ impl Blocks {
     /// Blocks of a source, perhaps compressed.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     pub fn new(source: Box<dyn Read + Send>) -> io::Result<Self> {
         Ok(Self::of_size(decompressed(source)?, BLOCK))
     }
@@ -208,7 +208,7 @@ impl Blocks {
     /// Lets `look` see what kind of log it is.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     pub fn with_verdict<T>(mut self, look: impl FnOnce(Verdict<'_>) -> T) -> io::Result<(Self, T)> {
         let filled = self.next.read(&mut self.source, self.block);
         self.ahead = Some(Ok(self.judge(filled)?));
@@ -216,7 +216,7 @@ impl Blocks {
         Ok((self, seen))
     }
 
-    /// What is wrong with the compressed file, of which everything before that was read.
+    /// The damage of a compressed file. Everything before it was read.
     pub fn damage(&self) -> Option<&str> {
         self.damage.as_deref()
     }
@@ -230,7 +230,7 @@ impl Blocks {
     /// says that nothing follows. `None` at the end.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     pub fn next<T: Send>(
         &mut self,
         work: impl FnOnce(&[u8], bool) -> (usize, T) + Send,

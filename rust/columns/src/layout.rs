@@ -60,7 +60,7 @@ impl Options {
     }
 }
 
-/// What a column holds.
+/// The part of a record that a column holds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Time of the record.
@@ -99,11 +99,11 @@ impl Source {
 pub struct Column {
     /// Its name, which is unique in its table, and its type and metadata.
     pub field: ArrowField,
-    /// What it holds.
+    /// The part of a record that it holds.
     pub source: Source,
-    /// What makes its values SI.
+    /// The factor that turns its values into SI units.
     pub scale: Option<Scale>,
-    /// What makes names of its values.
+    /// The names that replace its values.
     pub names: Option<Names>,
     /// Which values become nulls.
     pub invalid: Option<InvalidRule>,
@@ -363,7 +363,7 @@ pub(crate) fn element_type(field_type: FieldType) -> DataType {
     }
 }
 
-/// What the definition says of a field. Scaled values have the unit that they are scaled to, and no multiplier.
+/// The field's metadata from its definition. Scaled values have the unit that they are scaled to, and no multiplier.
 pub(crate) fn metadata(
     field: &Field,
     si: Option<(Scale, Option<&str>)>,

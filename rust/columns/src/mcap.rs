@@ -129,7 +129,7 @@ impl<W: Write> McapSink<W> {
     /// Writes batches of one stretch of the log, sorted by time.
     ///
     /// # Errors
-    /// What the writer says; [`Error::NoTimes`] and [`Error::TooManyChannels`].
+    /// Errors of writing; [`Error::NoTimes`] and [`Error::TooManyChannels`].
     pub fn write(&mut self, batches: &[Batch]) -> Result<(), Error>
     where
         W: Send,
@@ -208,7 +208,7 @@ impl<W: Write> McapSink<W> {
     /// Writes what belongs at the end, and gives the output back.
     ///
     /// # Errors
-    /// What writing says.
+    /// Errors of writing.
     pub fn finish(mut self) -> Result<W, Error> {
         self.writer.finish()?;
         Ok(self.writer.into_inner().into_inner())

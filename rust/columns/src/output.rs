@@ -93,7 +93,7 @@ impl<W: Write + Send> Output<W> {
     /// Writes the ends of all files, and gives them back.
     ///
     /// # Errors
-    /// What the writers say.
+    /// Errors of the writers.
     pub fn finish(self) -> Result<(Files, Vec<W>), Error> {
         let (mut files, mut outs) = (Vec::new(), Vec::new());
         match self {

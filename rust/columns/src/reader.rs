@@ -41,8 +41,8 @@ impl Limits {
     /// One batch for each type, or some where one would be too large for arrow.
     pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX, table_bytes: 1 << 30 };
 
-    /// What each of so many tables may come to. What they get ahead stays within what they may hold together: many large
-    /// spans of memory, of which little is used before they are given back, leave it in pieces that nothing fits into.
+    /// The expected size of each of so many tables. They share the memory that they get ahead: many large blocks that
+    /// are freed nearly unused would fragment the memory.
     pub(crate) fn expected(self, growth: f64, tables: usize) -> Expected {
         let ahead = self.bytes / tables.max(1);
         Expected { growth, ahead, rows: self.rows, bytes: self.table_bytes }
@@ -82,13 +82,13 @@ pub trait Decode: Send {
     /// The batches that are complete after another block; `None` at the end, when the last ones were given.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error>;
 
     /// The same after as many blocks as it takes, or as a while is enough for.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     fn advance_a_while(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         let mut batches = None;
         pool::a_while(|| {
@@ -110,7 +110,7 @@ pub trait Decode: Send {
     /// Whether records have times.
     fn has_times(&self) -> bool;
 
-    /// What is wrong with the compressed file, of which everything before that was read.
+    /// The damage of a compressed file. Everything before it was read.
     fn damage(&self) -> Option<&str>;
 
     /// The wanted messages so far that the dialect does not define. A dataflash log defines its own.
@@ -119,7 +119,7 @@ pub trait Decode: Send {
     }
 }
 
-/// What to read of a log, and as which tables.
+/// The wanted records of a log, and the tables that they become.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
     /// Which records.
@@ -139,7 +139,7 @@ pub struct Plan {
 /// A reader of a telemetry log, perhaps compressed, or of one that is known to be framed like this, and plain.
 ///
 /// # Errors
-/// What reading says.
+/// Errors of reading.
 pub fn reader(
     steps: Steps,
     source: Box<dyn Read + Send>,
@@ -177,7 +177,7 @@ pub(crate) trait TakeIn: Send {
         done: f64,
     ) -> Result<Vec<Batch>, Error>;
 
-    /// What is left at the end; `None` the second time.
+    /// The last batches, at the end of the log; `None` the second time.
     fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error>;
 
     /// See [`Decode::unknown`].

@@ -15,7 +15,7 @@ use crate::input::{Blocks, Steps};
 use crate::scan::{Framing, LogScanner, Scanned, header_at, stamp_at};
 use crate::select::Wanted;
 
-/// What became of a log.
+/// Counts of a log's bytes and records.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// Bytes read, decompressed.
@@ -96,7 +96,7 @@ impl Mender {
         scanned
     }
 
-    /// What to take for the time of a record that those in front and behind contradict.
+    /// The place and the corrected time of a record whose time disagrees with both neighbours, which agree.
     fn judge(&mut self, block: &[u8], scanned: &Scanned, record: Located) -> Option<(u32, u64)> {
         let time = scanned.time(block, record.at)?;
         let before = *self.before.get_or_insert(time);
@@ -138,7 +138,7 @@ impl Rewrite {
     /// plain. Each is read in its own order, and of records of one time that of the first log comes first.
     ///
     /// # Errors
-    /// What reading says.
+    /// Errors of reading.
     pub fn new(
         steps: Steps,
         sources: Vec<Box<dyn Read + Send>>,
@@ -163,7 +163,7 @@ impl Rewrite {
         self.logs.iter().position(|log| log.mender.framing == Framing::Raw)
     }
 
-    /// What became of the logs so far.
+    /// The counts of all logs so far.
     pub fn outcome(&self) -> Outcome {
         self.logs.iter().map(|log| log.outcome).sum()
     }
@@ -179,7 +179,7 @@ impl Rewrite {
     /// Writes what can be ordered until the next block of a log is needed; false at the end.
     ///
     /// # Errors
-    /// What reading and writing say.
+    /// Errors of reading and writing.
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
         let Self { logs, wanted, anonymizer } = self;
         for log in logs.iter_mut().filter(|log| log.needs_block()) {

@@ -30,7 +30,7 @@ pub(crate) fn portions<T>(parts: &[T], rows_len: impl Fn(&T) -> usize) -> Vec<Ra
     portions
 }
 
-/// What is left of a block of which a portion was taken in; the batches of that one come first.
+/// The rest of a block of which one portion was taken in. The batches of that portion come first.
 pub(crate) struct Rest<T> {
     pub(crate) block: Vec<u8>,
     /// Where its records are.

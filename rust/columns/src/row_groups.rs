@@ -218,7 +218,7 @@ fn with_column(
     properties
 }
 
-/// What leaves least to be compressed: measured values change little from one to the next.
+/// The encoding that compresses best: measured values change little from one to the next.
 fn encoding_of(leaf: &DataType) -> Option<Encoding> {
     match leaf {
         leaf if leaf.is_floating() => Some(Encoding::BYTE_STREAM_SPLIT),

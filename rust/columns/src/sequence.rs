@@ -1,4 +1,4 @@
-//! What the sequence numbers of a sender say: which messages were lost, and which came more than once.
+//! Losses and duplicates of a sender, by the sequence numbers of its messages.
 
 use mavwire_core::telemetry::is_jump_forward;
 
@@ -7,7 +7,7 @@ const FAR: u8 = 128;
 /// Without a message for this long, nobody can tell how often the numbers went round. Microseconds.
 const SILENCE: u64 = 3_000_000;
 
-/// What was heard of a sender, on all links together.
+/// The newest sequence numbers of a sender, on all links together.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sequence {
     newest: Option<Newest>,

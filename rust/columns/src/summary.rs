@@ -1,4 +1,4 @@
-//! What is in a log, counted in one pass.
+//! The summary of a log, counted in one pass.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -89,7 +89,7 @@ pub struct Sender {
     sequence: Sequence,
 }
 
-/// What is in a log.
+/// The content of a log in figures.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
     /// Bytes, decompressed.
@@ -124,7 +124,7 @@ pub struct Summary {
     pub version1: u64,
     /// Messages that are signed.
     pub signed: u64,
-    /// What is wrong with the compressed file.
+    /// The damage of the compressed file.
     pub damage: Option<String>,
     /// Where the last of the places with bytes of no record ends, listed or not.
     pub(crate) bad_end: Option<u64>,
@@ -135,7 +135,7 @@ impl Summary {
     /// go on, and is told how far it is.
     ///
     /// # Errors
-    /// What reading says, and what `pulse` answers.
+    /// Errors of reading, and the error that `pulse` returns.
     pub fn read<E: From<Error>>(
         source: Box<dyn Read + Send>,
         registry: Arc<Registry>,

@@ -14,7 +14,7 @@ use crate::layout::{Layout, Source};
 /// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
 pub(crate) const GROUP: usize = 256;
 
-/// What a table may come to.
+/// The expected size of a table, and its limits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Expected {
     /// Times the rows that it has.
@@ -203,7 +203,7 @@ impl TableBuilder {
     /// The rows so far; the table is empty then.
     ///
     /// # Errors
-    /// What arrow says; a mistake of this crate.
+    /// Errors of arrow, which only a mistake of this crate causes.
     pub fn take(&mut self) -> Result<RecordBatch, ArrowError> {
         let arrays = self.columns.iter_mut().zip(&self.layout.columns);
         let arrays =

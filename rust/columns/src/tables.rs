@@ -56,7 +56,7 @@ impl Tables {
         });
     }
 
-    /// What is left at the end; `None` the second time.
+    /// The last batches, at the end of the log; `None` the second time.
     pub(crate) fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         self.builders.iter_mut().flatten().for_each(TableBuilder::finish);
         let batches: Vec<Batch> = self.take_where(|table| table.rows() > 0)?;

@@ -51,7 +51,7 @@ impl UnknownTable {
         if is_due { self.take(limits) } else { Ok(Vec::new()) }
     }
 
-    /// What is left at the end.
+    /// All rows that are not in a batch yet.
     pub(crate) fn take(&mut self, limits: Limits) -> Result<Vec<Batch>, Error> {
         if self.rows == 0 {
             return Ok(Vec::new());

@@ -71,13 +71,13 @@ impl Decoder {
         decoder
     }
 
-    /// What the log says about itself, as far as is known here.
+    /// The log's description of itself, as far as the decoder knows it.
     pub(super) fn survey(&self) -> &Survey {
         &self.survey
     }
 
-    /// Goes on with more that the log says about itself, by the same clock. False if tables that have rows would not be what
-    /// they are.
+    /// Adds descriptions that were read later, by the same clock. False if they would change tables that already have
+    /// rows.
     pub(super) fn extend(&mut self, survey: Survey) -> bool {
         let survey = Arc::new(survey);
         let changed = self.survey.changed_by(&survey).into_iter();

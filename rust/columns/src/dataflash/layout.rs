@@ -43,12 +43,12 @@ impl TableLayout {
 pub(super) struct Places {
     /// Field of each column; `None` for null.
     pub(super) fields: Vec<Option<u16>>,
-    /// What a column takes from a record, by field.
+    /// The kind of value that a column takes from a record, by field.
     sources: Vec<Source>,
 }
 
 impl Places {
-    /// What each column takes from a record; `None` for null.
+    /// The kind of value that each column takes from a record; `None` for null.
     pub(super) fn sources(&self) -> impl Iterator<Item = Option<&Source>> {
         self.fields.iter().map(|field| self.sources.get(usize::from((*field)?)))
     }
@@ -138,7 +138,7 @@ fn column(survey: &Survey, layout: &LogLayout, number: usize, options: &Options)
     let mut field =
         Field { name: log_field.name.clone(), offset: log_field.offset, ..Field::default() };
     field.units = unit;
-    // What is scaled when it is read is measured in the unit itself.
+    // A field that is scaled on reading already has its unit's value.
     field.multiplier = multiplier.filter(|_| log_field.kind.scale().is_none());
     let is_text_log = matches!(survey.form, Form::Text(_));
     let mut column = if is_text_log {

@@ -10,7 +10,7 @@ use crate::reader::{Decode, Plan, Reader};
 /// A reader of a log that was surveyed.
 ///
 /// # Errors
-/// What reading says.
+/// Errors of reading.
 pub fn reader(survey: Arc<Survey>, open: Open<'_>, plan: Plan) -> Result<Box<dyn Decode>, Error> {
     let (blocks, _) = begin(open, survey.steps)?;
     let (has_times, size) = (survey.clock.is_some(), survey.bytes);

@@ -1,8 +1,9 @@
 //! Where the records of a block of a binary log are, found on all processors.
 //!
-//! What is found from a place on depends on nothing before it ([`index`]). So each stretch of the block is hopped over by
-//! itself, from wherever it begins; the walk through the log takes over what was found there from the first record that it
-//! reaches, and hops by itself up to that one. Its outcome is that of hopping from the start of the log to its end.
+//! The records from a place on do not depend on the bytes before it ([`index`]). So each processor hops through a
+//! stretch of the block from an arbitrary start. The walk through the log hops by itself until it reaches a record of
+//! such a stretch, and takes over the records from there. Its outcome is that of hopping from the start of the log to
+//! its end.
 
 use std::ops::Range;
 
@@ -41,7 +42,7 @@ pub(super) struct RecordIndex {
     pub(super) consumed: usize,
 }
 
-/// What was found in a stretch by itself.
+/// The records found in a stretch that was searched without the bytes before it.
 struct Guess {
     stretch: Range<usize>,
     places: Vec<Place>,
@@ -146,7 +147,7 @@ fn put_together(
 }
 
 impl RecordIndex {
-    /// What touches is one range.
+    /// Adds bytes of no record. Ranges that touch become one.
     fn add_bad(&mut self, range: Range<usize>) {
         match self.bad.last_mut().filter(|last| last.end == range.start) {
             Some(last) => last.end = range.end,

@@ -39,7 +39,7 @@ pub(super) struct Run {
     steps: Steps,
 }
 
-/// What was found in a block.
+/// The records found in a block.
 pub(super) struct Seen<'a> {
     /// The part of a binary log's block in which `hops` are.
     pub(super) bytes: &'a [u8],
@@ -186,7 +186,7 @@ impl Run {
             || self.finder.clone().finish() != survey.clock
     }
 
-    /// What is known by now.
+    /// The log's description of itself, as far as it was read.
     pub(super) fn survey(&self) -> Survey {
         let (form, units) = (self.form.clone(), self.units.clone());
         Survey::new(form, units, self.finder.clone().finish(), self.offset, self.steps)

@@ -1,4 +1,4 @@
-//! What is in a dataflash log, counted in one pass.
+//! The summary of a dataflash log, counted in one pass.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::summary::{Count, Summary};
 /// Reads a log to its end; types are counted by table. See [`Summary::read`].
 ///
 /// # Errors
-/// What reading says, and what `pulse` answers.
+/// Errors of reading, and the error that `pulse` returns.
 pub fn summary<E: From<Error>>(
     survey: &Arc<Survey>,
     open: Open<'_>,

@@ -1,4 +1,4 @@
-//! What a log says about itself: record types, units, clock.
+//! A dataflash log's description of itself: record types, units, clock.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{self, Read};
@@ -55,8 +55,8 @@ impl Form {
     }
 }
 
-/// What tells a column from others: name and kind of a field, ids of its unit and multiplier, which scale it in SI units, and
-/// which of several alike it is.
+/// The key of a column: name and kind of a field, ids of its unit and multiplier, which scale it in SI units, and its
+/// number among fields that are alike.
 type ColumnKey<'a> = (&'a str, FieldKind, [char; 2], usize);
 
 /// The columns that a description needs.
@@ -81,14 +81,14 @@ fn value_len(kind: FieldKind) -> usize {
     if kind == FieldKind::Array { kind.size() } else { size_of::<f64>() }
 }
 
-/// What a log says about itself.
+/// A log's description of itself.
 #[derive(Debug, Clone)]
 pub struct Survey {
     /// The layouts of its records.
     pub form: Form,
-    /// What fields are measured in.
+    /// The units of fields.
     pub units: Units,
-    /// What gives records their times; `None` where nothing does.
+    /// The source of the records' times; `None` for a log without times.
     pub clock: Option<Clock>,
     /// Names of the tables, in the order in which the log describes them.
     pub tables: Vec<Arc<str>>,
@@ -107,7 +107,7 @@ impl Survey {
     /// now and then whether to go on.
     ///
     /// # Errors
-    /// What reading says, and what `pulse` answers.
+    /// Errors of reading, and the error that `pulse` returns.
     pub fn read<E: From<Error>>(
         steps: Steps,
         open: Open<'_>,
@@ -118,7 +118,7 @@ impl Survey {
         Run::new(form, steps).finish(blocks, open, pulse).map(Some)
     }
 
-    /// What is known by now of a log of which so many bytes were gone through.
+    /// The description that the first `bytes` bytes of a log give.
     pub(super) fn new(
         form: Form,
         units: Units,

@@ -16,7 +16,7 @@ use crate::reader::{Batch, Plan, TakeIn};
 
 /// A log that was gone through.
 pub struct Whole {
-    /// What it says about itself.
+    /// The log's description of itself.
     pub survey: Survey,
     /// Its rows, and how many bytes belong to no record; `None` where they take another pass, by what is known now.
     pub rows: Option<(Vec<Batch>, u64)>,
@@ -26,7 +26,7 @@ pub struct Whole {
 /// then whether to go on.
 ///
 /// # Errors
-/// What reading says, and what `pulse` answers.
+/// Errors of reading, and the error that `pulse` returns.
 pub fn read_whole<E: From<Error>>(
     steps: Steps,
     open: Open<'_>,

@@ -100,7 +100,7 @@ impl Channels {
     }
 }
 
-/// What `id_of` says of the sender of each row, who mostly is that of the row before.
+/// The id of each row's sender. `id_of` is called only where the sender differs from that of the row before.
 fn each_row(
     batch: &Batch,
     mut id_of: impl FnMut(Sender) -> Result<u16, Error>,

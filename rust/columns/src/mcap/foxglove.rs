@@ -1,6 +1,6 @@
 //! Messages in the form that Foxglove knows: positions on its map, texts in its log.
 //!
-//! What the schemas look like: <https://docs.foxglove.dev/docs/visualization/message-schemas/introduction>.
+//! Foxglove documents the schemas: <https://docs.foxglove.dev/docs/visualization/message-schemas/introduction>.
 
 use std::io::Write;
 
@@ -31,7 +31,7 @@ const NO_COVARIANCE: &str =
 const LEVELS: [u8; 8] = [5, 5, 5, 4, 3, 2, 2, 1];
 const INFO: u8 = 2;
 
-/// What Foxglove is told of the rows of a batch.
+/// The columns of a batch that become messages of Foxglove's own types.
 pub(super) enum Extra {
     /// Degrees and metres, and whether there is a fix.
     Location { lat: Float64Array, lon: Float64Array, alt: Float64Array, fix: Option<Float64Array> },
@@ -74,7 +74,7 @@ impl Extra {
         }
     }
 
-    /// What Foxglove calls it.
+    /// The name of the message type in Foxglove.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Self::Location { .. } => "foxglove.LocationFix",
@@ -82,7 +82,7 @@ impl Extra {
         }
     }
 
-    /// What messages look like.
+    /// The JSON schema of the messages.
     pub(super) fn schema(&self) -> Value {
         let time = json!({
             "type": "object",
