@@ -1,4 +1,4 @@
-//! What a bridge tells about itself, as dictionaries that turn into JSON as they are.
+//! The counts of a bridge as dictionaries, which `json` can write without a conversion.
 
 use mavwire_io::bridge::{ComponentReport, LinkReport, RecordingStats, Stats};
 use pyo3::prelude::*;

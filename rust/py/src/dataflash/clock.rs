@@ -43,7 +43,7 @@ impl Seconds {
         f64::from_bits(self.0.load(Relaxed))
     }
 
-    /// What programs see; `None` for nothing.
+    /// The number as a Python object; `None` if nothing is set.
     pub(crate) fn object<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         match self.0.load(Relaxed) {
             NOTHING => None,

@@ -13,7 +13,7 @@ use super::value;
 use crate::sync::lock::Lock;
 use mavwire_core::frame::FrameBytes;
 
-/// What was put into a message, or asked for.
+/// The list of values, if a program has seen it and may have changed it, and the attributes that a program set.
 #[derive(Default)]
 pub(super) struct Written {
     /// `_elements`, once somebody saw it: from then on the values are in there.

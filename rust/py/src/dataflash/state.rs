@@ -1,4 +1,4 @@
-//! What a reader keeps: the log, where it stands, which types are wanted, the newest messages.
+//! The state of a reader: the log, its position in it, the wanted types, the newest messages.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -80,7 +80,7 @@ pub(super) fn from_text<'py>(
 
 /// The value of a field whose element is any object: as Python converts it to the field's type.
 ///
-/// What Python raises where it does not convert.
+/// Fails with Python's exception where it does not convert.
 pub(super) fn from_object<'py>(
     element: &Bound<'py, PyAny>,
     kind: FieldKind,

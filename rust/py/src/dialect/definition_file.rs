@@ -32,7 +32,7 @@ impl DefinitionFile {
         to_json(&definitions.map_err(|error| with_position(py, &error))?)
     }
 
-    /// What is wrong by the MAVLink XML schema.
+    /// The file's errors by the MAVLink XML schema.
     fn schema_problems(&self, py: Python<'_>, strict_units: bool) -> PyResult<Vec<String>> {
         let problems = check_schema(&self.name, &self.text, strict_units);
         let problems = problems.map_err(|error| with_position(py, &error))?;

@@ -29,7 +29,7 @@ const CHUNK: usize = 256 * 1024;
 /// Messages between two looks whether others should have a turn; then the run tells how far it is, too.
 const PULSE: u64 = 16 * 1024;
 
-/// What to dump and where to: the attributes of the object that `dump_log` is given.
+/// The options of a dump: the attributes of the object that `dump_log` is given.
 #[derive(FromPyObject)]
 struct Options<'py> {
     /// `standard`, `json`, `csv` or `none`.

@@ -26,7 +26,7 @@ pub(crate) struct LiveLink {
     pub(super) source: Lock<LiveSource>,
     /// The class of port that was seen to be a plain one.
     pub(super) plain_port: Slot<PyType>,
-    /// What sends to a stream.
+    /// The writer of a stream link.
     pub(super) writer: Slot<StreamWriter>,
 }
 

@@ -62,7 +62,7 @@ impl LiveLink {
         number.map_or(Ok(()), |number| Err(os_error(py, number)))
     }
 
-    /// What sends to a stream.
+    /// The writer of a stream link.
     #[getter(_writer)]
     fn get_writer<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, StreamWriter>> {
         self.writer.get(py).ok_or_else(|| PyAttributeError::new_err("_writer"))
@@ -115,7 +115,7 @@ impl LiveLink {
         Ok(Some((PyBytes::new(py, &bytes), to_python(py, from)?)))
     }
 
-    /// What is parsed next comes from `address`: bytes of another peer's frame are put aside.
+    /// The next bytes come from `address`: bytes of another peer's frame are put aside.
     fn _switch_peer(slf: &Bound<'_, Self>, address: &Bound<'_, PyAny>) {
         let Some(from) = from_python(address) else { return };
         let state = slf.as_super().get().state();

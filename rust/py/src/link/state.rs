@@ -27,7 +27,7 @@ pub(super) const QUICK_METHODS: [&str; 7] = [
     "skip_to_type",
 ];
 
-/// What changes with every message.
+/// The state that every message changes.
 #[derive(Default)]
 pub(crate) struct LinkState {
     pub(super) mav: Option<Py<PyAny>>,

@@ -1,4 +1,4 @@
-//! What every received message changes: newest messages, loss counts, times.
+//! The changes that every received message makes: newest messages, loss counts, times.
 //!
 //! Rare updates (flight modes, home) are left to Python's `_update`, which is called for the few message
 //! types that need it.
@@ -84,7 +84,7 @@ pub(crate) fn keep_newest(
     }
 }
 
-/// What only a few types of messages change, then the message hooks.
+/// Makes the changes of the few message types that change more, then calls the message hooks.
 pub(crate) fn call_python(
     link: &Bound<'_, Link>,
     message: &Bound<'_, Message>,

@@ -1,4 +1,4 @@
-//! What a recorded log may hold.
+//! The part of a frame that a recorded log may hold.
 
 use std::borrow::Cow;
 

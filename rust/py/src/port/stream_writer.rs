@@ -20,7 +20,7 @@ use crate::sync::slot::Slot;
 
 /// Bytes that wait at most, unless a writer is made with another bound.
 const MAX_UNSENT: usize = 1 << 20;
-/// What one call of the system is offered.
+/// Bytes that one call of the system is offered at most.
 const SEND_SIZE: usize = 1 << 16;
 
 /// Outgoing bytes of a non-blocking stream socket, from any number of threads.
@@ -103,7 +103,7 @@ impl StreamWriter {
 
     fn send(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = port.py();
-        // What waits may be another connection's by now.
+        // The queue may belong to another connection by now.
         while !self.has_ended(port)
             && let Some(turn) = self.sending.take()
         {
@@ -159,7 +159,7 @@ impl StreamWriter {
         self.ended.set(None);
     }
 
-    /// What waits in the queue (a copy).
+    /// The bytes that wait in the queue (a copy).
     #[getter]
     fn unsent<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         self.follow_fork(py);

@@ -39,7 +39,7 @@ fn in_turn<'py>(
     Ok(count)
 }
 
-/// What one call of `write` takes.
+/// The bytes for one call of `write`.
 struct Packed<'py> {
     bytes: Bound<'py, PyAny>,
     len: usize,

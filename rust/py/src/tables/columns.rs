@@ -26,7 +26,7 @@ use crate::python::lists::optional_list;
 use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
 
-/// What to read: the attributes of the object that `LogColumns` is given.
+/// The wanted part of a log: the attributes of the object that `LogColumns` is given.
 #[derive(Default, FromPyObject)]
 #[allow(clippy::struct_excessive_bools)] // the fields are attributes of a Python object
 pub(crate) struct Query {
@@ -56,7 +56,7 @@ pub(crate) struct Query {
     pub(crate) csv_safe: bool,
     /// Texts for the schemas of MCAP files.
     pub(crate) descriptions: Option<Descriptions>,
-    /// What becomes of messages that the dialect does not define: `"table"` makes a table of them.
+    /// The treatment of messages that the dialect does not define: `"table"` makes a table of them.
     unknown: Option<String>,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
     batch_rows: Option<usize>,
@@ -112,7 +112,7 @@ impl Query {
         }
     }
 
-    /// What to read of a log of so many bytes.
+    /// The plan for reading a log of `size` bytes.
     pub(crate) fn plan(&self, dialect: Option<&Dialect>, size: u64) -> Plan {
         let limits = Limits {
             rows: self.batch_rows.unwrap_or(usize::MAX),
@@ -271,7 +271,7 @@ pub(crate) fn count_row(count: &Count) -> (u64, u64, u64, u64) {
     (count.messages, count.first, count.last, count.elapsed)
 }
 
-/// What is in a log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+/// The summary of a log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
 #[pyfunction]
 pub(crate) fn log_summary<'py>(
     py: Python<'py>,

@@ -52,7 +52,7 @@ fn check(takes: bool, format: &str, compression: &str) -> PyResult<()> {
 /// The files that become of a log.
 struct Work {
     output: Output<Draft>,
-    /// What was read and is not written.
+    /// Batches that were read and not written yet.
     batches: Vec<Batch>,
     freed: Freed,
 }

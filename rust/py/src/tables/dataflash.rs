@@ -27,8 +27,8 @@ type Tables = Vec<(String, RecordBatches)>;
 
 #[pymethods]
 impl DataflashTables {
-    /// What a log says about itself, with the tables that `query` asks for. None if it is no dataflash log. None in place of
-    /// the tables if there is no query, or they take another run, by `columns`.
+    /// A log's description of itself, with the tables that `query` asks for. None if it is no dataflash log. The tables
+    /// are None without a query, or if they need another pass over the log, by `columns`.
     #[staticmethod]
     #[pyo3(signature = (log, query=None))]
     fn read(
@@ -84,7 +84,7 @@ impl DataflashTables {
         LogColumns::begin(py, &query, || dataflash::reader(survey, &|| self.log.open(), plan))
     }
 
-    /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+    /// The summary of the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
     fn summary<'py>(
         &self,
         py: Python<'py>,

@@ -30,7 +30,7 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> Result<
     })
 }
 
-/// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.
+/// The start of a file's temporary name: its final name, or a hash of it where that name is long.
 #[pyfunction]
 pub(crate) fn draft_stem(name: OsString) -> OsString {
     files::draft_stem(&name).into_owned()

@@ -53,7 +53,7 @@ pub(crate) fn kind_in(log: &Source) -> io::Result<Kind> {
     }
 }
 
-/// What kind of log a file is; with `unpack`, what is in it if it is compressed.
+/// The kind of a log; with `unpack`, the kind of a compressed log's content.
 #[pyfunction]
 #[pyo3(signature = (log, unpack = false))]
 pub(crate) fn identify(py: Python<'_>, log: Source, unpack: bool) -> Result<LogKind> {

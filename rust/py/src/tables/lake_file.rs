@@ -22,7 +22,7 @@ pub(crate) struct LakeFile {
     file: Mutex<Option<Gathered<Draft>>>,
 }
 
-/// What a range is in Python: a pair of numbers or of texts.
+/// A range as Python gets it: a pair of numbers or of texts.
 #[derive(IntoPyObject)]
 pub(crate) enum Pair {
     Numbers((i64, i64)),

@@ -98,7 +98,7 @@ impl LogRewrite {
         py.detach(|| self.with(|work| work.rewrite.faults().map(owned).collect()))
     }
 
-    /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.
+    /// The counts of all logs so far, as a dict; see `mavwire.logs.rewriting`.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let outcome = py.detach(|| self.with(|work| work.rewrite.outcome()));
         let dict = PyDict::new(py);

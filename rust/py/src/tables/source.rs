@@ -51,7 +51,7 @@ impl Source {
     /// The bytes from the start.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub(crate) fn open(&self) -> io::Result<Box<dyn Read + Send>> {
         match self {
             Self::File(path) => files::open(path),

@@ -259,7 +259,7 @@ impl RecordBatches {
         self.num_rows()
     }
 
-    /// What pickle needs: a stream of the rows.
+    /// Lets pickle store the table: a stream of its rows.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Result<Bound<'py, PyTuple>> {
         let (py, this) = (slf.py(), slf.get());
         let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches))?;
@@ -333,7 +333,7 @@ impl Iterator for TableBatches {
     }
 }
 
-/// What a stream says of an exception: it can carry no more than a text. Ctrl-C is raised again where the reader is back in
+/// The text of an exception, since a stream cannot carry more. Ctrl-C is raised again when the reader is back in
 /// Python.
 fn failure(error: &PyErr) -> String {
     Python::attach(|py| {
