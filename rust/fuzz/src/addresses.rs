@@ -17,7 +17,7 @@ pub fn endpoint(data: &[u8]) {
     shown(kind, &text, port, flow);
 }
 
-/// What an address says of itself makes the same one, and so does the operating system's form.
+/// An address can be made again from its own parts, and from the operating system's form of it.
 fn numeric(address: &Address) {
     let (flow, scope) = address.flow_and_scope().unwrap_or_default();
     assert_eq!(address.flow_and_scope().is_some(), address.host().contains(':'));

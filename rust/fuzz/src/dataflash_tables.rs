@@ -25,7 +25,7 @@ use crate::tables::{numbers, same};
 
 /// All records.
 
-/// What a log says about itself, read in such steps; `None` for something else than a dataflash log.
+/// A log's description of itself, read in such steps; `None` for something else than a dataflash log.
 pub(crate) fn surveyed(steps: Steps, bytes: &[u8]) -> Option<Arc<Survey>> {
     let open = || Ok(source(bytes));
     let survey = Survey::read(steps, &open, || Ok::<_, Error>(()));

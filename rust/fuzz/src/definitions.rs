@@ -60,7 +60,7 @@ fn united(definitions: &Definitions) {
     }
 }
 
-/// What the generator does with any text.
+/// Gives any text to the functions that the generator of modules uses.
 fn generator(text: &str) {
     let parse = |text: &str, rules| {
         parse_definitions("my.xml", text, &ParseOptions { rules, ..ParseOptions::default() })

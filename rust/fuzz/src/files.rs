@@ -142,7 +142,7 @@ fn lines(bytes: &[u8], longest: usize) -> Vec<(u64, &[u8])> {
 fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     let lines = lines(bytes, chunk);
     let delimiter = Delimiter::of(&bytes[..bytes.len().min(chunk)]);
-    // What nothing ends may be cut off: a line, and no record.
+    // The last line may be cut off if no newline ends it. It is a line, but not a record.
     let rest = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end as u64 + 1);
     let ended = || lines.iter().filter(|&&(at, _)| at < rest);
     let mut definitions = TextDefinitions::new(delimiter);

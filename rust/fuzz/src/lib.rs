@@ -1,4 +1,4 @@
-//! What the fuzz targets do. Each takes any bytes, and panics where a promise does not hold.
+//! The work of the fuzz targets. Each takes any bytes, and panics where a promise does not hold.
 //!
 //! The programs in `fuzz_targets` give them to libFuzzer; `tests/replay.rs` gives them the corpus, on any toolchain. A target
 //! that finds something new leaves its input in `corpus`, where it is replayed from then on.

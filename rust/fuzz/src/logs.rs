@@ -104,7 +104,7 @@ const COLUMNS: [&str; 24] = [
 ];
 const KINDS: &[u8] = b"bBhHiIqQgfdnNZcCeELMa";
 
-/// What a description says: type, length, name, format, columns.
+/// The content of a FMT record: type, length, name, format, columns.
 type Description = (u8, u8, &'static str, String, String);
 
 /// A description of a type, mostly a sound one.

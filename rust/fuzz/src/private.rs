@@ -1,6 +1,6 @@
-//! What must not be in logs that are passed on: who flew where, signatures and keys.
+//! Checks that logs for others hold no identities, no places, no signatures and no keys.
 //!
-//! What a log may not tell is changed in a twin of the frame: both twins have to become the same.
+//! Each frame gets a twin with other secrets: both have to become the same.
 
 use std::sync::LazyLock;
 
@@ -74,7 +74,7 @@ pub fn anonymize(data: &[u8]) {
     for field in message.fields.iter().filter(|field| is_who(field)) {
         twin[usize::from(field.offset)..][..field.wire_len()].fill(0xA5);
     }
-    // What is longer than its definition has bytes that nobody can say anything about.
+    // Bytes beyond the definition have no known meaning, so they may be secrets too.
     twin[message.max_len.into()..].fill(0x5A);
     let [frame, twin] = [payload, twin].map(|all| frame_of(header, &all, len, message.crc_extra));
     let twin = if flags & 2 != 0 { signed(&twin, 3, flags, 1 << 40) } else { twin };
@@ -165,7 +165,7 @@ fn check(frame: &[u8]) {
     assert_eq!(written.len(), frame.len() - signature);
 }
 
-/// Whatever key there was, whole or cut, the outcome is the same, and as long.
+/// The outcome is the same, and as long, for every key, whole or cut.
 fn without_key(before: &FrameRef<'_>, after: &FrameRef<'_>) {
     assert_eq!(after.payload().len(), KEY.end);
     assert!(after.payload()[KEY].iter().all(|&byte| byte == 0xFF));

@@ -17,7 +17,7 @@ static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
     [1, 3].map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads"))
 });
 
-/// Whatever `work` reads is read on one thread, or on several.
+/// Runs `work` with its reading on one thread, or on several.
 pub(crate) fn on_threads<T: Send>(several: bool, work: impl FnOnce() -> T + Send) -> T {
     POOLS[usize::from(several)].install(work)
 }

@@ -37,7 +37,7 @@ fn options(input: &mut Input<'_>) -> LinkOptions {
     options
 }
 
-/// What is known of a component: its counts, its next sequence number, and where it was ever heard.
+/// The expected state of a component: its counts, its next sequence number, and the links that it was ever heard on.
 #[derive(Default)]
 struct Heard {
     stats: ComponentStats,
@@ -181,7 +181,7 @@ pub fn router(data: &[u8]) {
     assert!(counted.eq(expected), "components are counted");
 }
 
-/// What was stopped on the way out is not known here, nor what went to sniffers alone since nobody else wanted it.
+/// Frames stopped on the way out are not counted here, nor those that only a sniffer got.
 fn same_counts(found: LinkStats, noted: LinkStats) {
     let LinkStats { filtered_out, limited, unroutable, .. } = found;
     assert_eq!(found, LinkStats { filtered_out, limited, unroutable, ..noted });

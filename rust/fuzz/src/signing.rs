@@ -85,7 +85,7 @@ impl Account {
     }
 }
 
-/// What has to be said of a frame.
+/// The expected verdict about a frame.
 fn foretold(
     state: &SigningState,
     streams: &Account,
@@ -163,7 +163,7 @@ pub fn signing(data: &[u8]) {
     }
 }
 
-/// Who looks finds nothing good twice, and changes nothing for who receives.
+/// A look accepts no frame twice, and changes nothing for the receiver.
 fn looked_at(
     state: &mut SigningState,
     seen: &mut Sightings,

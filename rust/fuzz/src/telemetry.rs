@@ -13,7 +13,7 @@ fn scanner(lead: usize) -> RecordScanner {
     framing.scanner()
 }
 
-/// What stands at `at`, and how long it is; `None` at the end.
+/// The item at `at`, and its length; `None` at the end.
 fn step(
     scanner: &mut RecordScanner,
     bytes: &[u8],

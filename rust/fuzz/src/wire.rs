@@ -121,7 +121,7 @@ pub fn codec(data: &[u8]) {
     let payload = payload_extended(whole.payload(), len, &mut space);
     mavwire_core::frame::encode(&mut again, header, payload, entry.crc_extra).expect("it fits");
     assert_eq!(again, frame);
-    // What a truncated payload lacks reads as zero: both payloads are the same message.
+    // Bytes that a truncated payload lacks read as zero: both payloads are the same message.
     let shown = [whole.payload(), payload].map(|payload| {
         let (mut shown, mut json) = (String::new(), String::new());
         text::write_text(&mut shown, message, payload);

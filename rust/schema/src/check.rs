@@ -1,5 +1,5 @@
-//! What the MAVLink XML schema asks of a file: which elements, in which order, with which attributes. A dialect is made
-//! of less strict files too, but a misspelt attribute would have no effect, and other generators refuse what is not here.
+//! The rules of the MAVLink XML schema: elements, their order, their attributes. A dialect can be made of less strict
+//! files. But a misspelt attribute would have no effect, and other generators refuse files that break these rules.
 
 use roxmltree::Node;
 
@@ -47,8 +47,8 @@ double else extends final finally float for function goto if implements import i
 native new package private protected public static super switch synchronized this throw transient try typeof var void \
 volatile while with yield";
 
-/// What is wrong with a file by the schema, in order, at most 20 errors. With `strict_units`, units that the schema does
-/// not list are wrong too.
+/// A file's errors by the schema, in order, at most 20. With `strict_units`, units that the schema does not list are
+/// errors too.
 ///
 /// # Errors
 /// Where the text is not well-formed XML within the limits.

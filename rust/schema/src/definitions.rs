@@ -1,5 +1,5 @@
-//! What one XML file says, includes unresolved. Plain data, written by the build script into the blob of built-in
-//! dialects and made at run time from a user's XML.
+//! The content of one XML file, with its includes unresolved. Plain data: the build script writes it into the blob of
+//! built-in dialects, and a user's XML becomes it at run time.
 
 use serde::{Deserialize, Serialize};
 

@@ -50,7 +50,7 @@ impl SchemaError {
         self.0.column
     }
 
-    /// What is wrong.
+    /// The fault in the definition.
     pub fn reason(&self) -> &Reason {
         &self.0.reason
     }
@@ -92,7 +92,7 @@ pub(crate) fn excerpt(text: &str) -> String {
 /// Characters of a text that an error shows.
 const EXCERPT_LEN: usize = 80;
 
-/// What is wrong with a definition.
+/// A fault in a definition.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "each variant's message is its documentation")]
 pub enum Reason {

@@ -101,7 +101,7 @@ fn visit(
     Ok(())
 }
 
-/// What makes two paths the same file: `common` and `common.xml` are.
+/// The key of a file: paths with the same key, like `common` and `common.xml`, are the same file.
 fn key(path: &str) -> String {
     path.strip_suffix(".xml").unwrap_or(path).to_owned()
 }

@@ -69,7 +69,7 @@ impl<'a> Library<'a> {
         self.files.iter().map(|file| file.name)
     }
 
-    /// What one file says. `path` may have folders and `.xml`.
+    /// The content of one file. `path` may have folders and `.xml`.
     ///
     /// # Errors
     /// [`Reason::NotFound`] where there is no such file.

@@ -28,7 +28,7 @@ const MAX_V1_ID: u32 = 255;
 /// and messages that have no other fields are left out.
 ///
 /// # Errors
-/// What `lookup` answers; includes that are missing, circular, or more than 5 levels deep; ids, names or values used
+/// Errors of `lookup`; includes that are missing, circular, or more than 5 levels deep; ids, names or values used
 /// twice; fields with an enum that is not defined.
 pub fn resolve(
     main: &str,

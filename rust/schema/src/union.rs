@@ -101,7 +101,7 @@ impl Union {
     }
 }
 
-/// What a frame tells of its message's definition. The name is part of it, since `crc_extra` covers it.
+/// The part of a message's definition that its frames prove. The name is part of it, since `crc_extra` covers it.
 fn key(message: &MessageDef) -> (u32, u8) {
     (message.id, Layout::of(message).crc_extra)
 }

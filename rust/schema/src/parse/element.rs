@@ -1,4 +1,4 @@
-//! What reading any element needs: attributes, texts, names and errors with positions.
+//! Helpers that reading any element needs: attributes, texts, names and errors with positions.
 
 use roxmltree::Node;
 

@@ -18,7 +18,7 @@ use crate::number::parse_decimal;
 pub(crate) use element::{Source, own_text};
 pub use messages::field_type;
 
-/// What to keep of a text, and how much text to accept.
+/// The texts to keep, and the most text to accept.
 #[derive(Debug, Clone)]
 pub struct ParseOptions {
     /// Keep the free text of descriptions and explanations.
@@ -29,15 +29,15 @@ pub struct ParseOptions {
     pub rules: Rules,
 }
 
-/// What a file may hold.
+/// The rules that a file has to keep.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Rules {
-    /// What a dialect can be made of.
+    /// Files that a dialect can be made of.
     #[default]
     Dialect,
     /// The same, but unknown elements are passed over, as [`standalone`](crate::standalone) leaves them out.
     Module,
-    /// What pymavlink's `mavparse` takes too: unknown elements, any names, messages that fit no frame.
+    /// Files that pymavlink's `mavparse` takes too: unknown elements, any names, messages that fit no frame.
     Mavparse,
 }
 

@@ -30,7 +30,7 @@ const METHODS: [&str; 17] = [
     "to_dict",
     "to_json",
 ];
-/// What a dialect module consists of, beside entries and what `MODULE_PREFIXES` cover.
+/// Names in every dialect module, besides those of entries and those with one of the `MODULE_PREFIXES`.
 const MODULE_NAMES: [&str; 20] = [
     "DIALECT",
     "Enum",
