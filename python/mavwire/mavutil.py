@@ -65,7 +65,7 @@ from .links.state import mavlink20, set_wire_protocol
 from .links.vehicle_state import add_message, mavfile_state, param_state
 from .links.waiting import set_close_on_exec
 
-# What `import *` brings. The state names are properties, and the lazy names load here.
+# The names that `import *` brings. The state names are properties, and the lazy names load here.
 __all__ = [
     "AP_MAV_TYPE_MODE_MAP", "AP_MAV_TYPE_MODE_MAP_DEFAULT", "PX4_CUSTOM_MAIN_MODE_ACRO",
     "PX4_CUSTOM_MAIN_MODE_ALTCTL", "PX4_CUSTOM_MAIN_MODE_AUTO", "PX4_CUSTOM_MAIN_MODE_MANUAL",
@@ -170,7 +170,7 @@ _LAZY_MODULES = {
     "time": "time",
     **{name: name for name in _STANDARD},
 }
-# What module-level loops of pymavlink's leave behind.
+# Loops at the end of pymavlink's module leave these two names behind.
 name = "MAV_TYPE_VTOL_TAILSITTER_QUADROTOR"
 some_map = mode_mapping_apm
 

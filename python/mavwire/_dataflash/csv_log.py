@@ -81,7 +81,7 @@ class CSVMessage:
         return evaluate_expression(expression, self.fmt.messages)
 
     def get_type(self) -> str:
-        """What the reader was told to call its messages."""
+        """The message type, which the reader was given for all rows."""
         return self.message_type
 
     def get_fieldnames(self) -> list[str]:
@@ -193,7 +193,7 @@ class CSVReader:
         return self.linecount
 
     def _rows(self) -> Iterator[list[str]]:
-        """What is left, without what no row can be made of: a quote that nothing closes, a row without end."""
+        """The rows from here on. Broken rows (a quote that is never closed, an endless row) are left out."""
         while True:
             self._lines.begin_row()
             try:

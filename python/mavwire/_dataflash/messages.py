@@ -1,4 +1,4 @@
-"""What `DFMessage` leaves to Python: encoding changed messages, and showing them line by line."""
+"""Python methods of `DFMessage`: encoding changed messages, and showing them line by line."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ DOWNLOAD_TIMEOUT_S = 30
 
 
 class DFMetaData:
-    """What the messages of a reader's vehicle mean."""
+    """Documentation of the log messages of a reader's vehicle."""
 
     def __init__(self, parent: Any) -> None:
         self.parent = parent
@@ -30,7 +30,7 @@ class DFMetaData:
 
     @staticmethod
     def download_url(url: str) -> bytes | None:
-        """What is at `url`, or None where it cannot be had, which is printed."""
+        """The content at `url`. None where the download fails, with a printed line."""
         from urllib.request import urlopen
 
         try:
@@ -102,7 +102,7 @@ class DFMetaData:
             print(f"{name:<{names}} {unit:<{units}} : {field.findtext('description', '')}")
 
     def get_description(self, msg: str) -> str | None:
-        """What a message type means: empty if that is not known, None without documentation."""
+        """The description of a message type: empty if it is unknown, None without documentation."""
         described = self._described(msg)
         if self.data is None:
             return None

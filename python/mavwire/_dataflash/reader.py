@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from typing import Any, ClassVar, Self
 
 MAV_TYPE_FIXED_WING = 1
-# What the firmware's greeting contains -> MAV_TYPE. The first that fits.
+# A text in the firmware's greeting -> MAV_TYPE. The first that fits.
 _VEHICLE_TEXTS = (
     ("Copter", 2), ("Plane", 1), ("Rover", 10), ("Tracker", 5), ("Sub", 12), ("Blimp", 7),
 )  # fmt: skip
@@ -184,7 +184,7 @@ class DFReader(_native.DataflashReader):
 
     @property
     def clock(self) -> Any:
-        """What gives messages their times."""
+        """The clock that gives messages their times."""
         return self._clock
 
     @clock.setter

@@ -259,7 +259,7 @@ class Link(Parameters):
         return self
 
     async def __aexit__(self, kind: object = None, *_: object) -> None:
-        # Who was cancelled, as by Ctrl-C, does not wait for a peer that reads slowly.
+        # A cancelled task, as by Ctrl-C, does not wait for a peer that reads slowly.
         await self._closed(drains=kind is not asyncio.CancelledError)
 
 

@@ -89,7 +89,7 @@ def border_from(
 
 
 def automation_from(options: Mapping[str, Any]) -> Automation:
-    """What the bridge says at a link of its own accord. ConfigError."""
+    """The messages that the bridge itself sends to a link. ConfigError."""
     system = whole("own_system", options.get("own_system", DEFAULT_SYSTEM), 255, least=1)
     heartbeat, rate = options.get("heartbeat"), options.get("request_streams")
     if "own_system" in options and heartbeat is None and rate is None:

@@ -88,7 +88,7 @@ def listed(name: str, values: object) -> Iterator[object]:
 
 
 def content(name: str, path: object, most: int) -> bytes:
-    """What is in a small file."""
+    """The content of a small file. ConfigError."""
     if not isinstance(path, str | os.PathLike):
         raise ConfigError(f"{name} must be a path, not {path!r}")
     try:

@@ -1,4 +1,4 @@
-"""What can go wrong with a bridge besides an OSError."""
+"""Errors of a bridge, besides OSError."""
 
 from __future__ import annotations
 

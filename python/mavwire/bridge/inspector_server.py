@@ -50,7 +50,7 @@ class _Conversation:
             await asyncio.sleep(now + INTERVAL - time.monotonic())
 
     def hear(self, text: str) -> None:
-        """What the page says. ValueError for nonsense."""
+        """Take in a message of the page. ValueError for nonsense."""
         self._unseen = max(0, self._unseen - self._view.hear(text))
 
 

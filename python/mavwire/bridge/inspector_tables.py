@@ -1,4 +1,4 @@
-"""What the web inspector tells its page, as JSON: who is there, what comes how often, and what is new."""
+"""Tables of the web inspector's page, as JSON: systems, message types with their rates, new values."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _descriptions(native: Any) -> dict[str, tuple[str, dict[str, str]]]:
 
 
 class View:
-    """What one page sees of a bridge. `tables` and `values` give texts to send to it."""
+    """One page's view of a bridge. `tables` and `values` give texts to send to the page."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
@@ -40,8 +40,8 @@ class View:
         self._described: set[int] = set()
 
     def hear(self, text: str) -> int:
-        """What the page asks for, `{"open": [[system, component, message id], ...]}`, or how many texts it has
-        shown, `{"seen": number}`, which is returned. ValueError.
+        """Take in a request of the page. `{"open": [[system, component, message id], ...]}` asks for values.
+        `{"seen": number}` reports how many texts the page has shown. This number is returned. ValueError.
         """
         try:
             said = json.loads(text)

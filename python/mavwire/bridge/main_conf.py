@@ -22,7 +22,7 @@ _FILTERS = {
     for theirs, ours in (("MsgId", "messages"), ("SrcSys", "systems"), ("SrcComp", "components"))
     for way in ("In", "Out")
 }
-# What mavlink-router has and a bridge does otherwise or not at all.
+# Options of mavlink-router that have no effect here, with the reason or the replacement.
 _NO_EFFECT = {
     "ReportStats": "use --json, --status or --metrics",
     "DebugLogLevel": "there are no levels",

@@ -30,7 +30,7 @@ HEARTBEAT = 0
 _VERBS = ("allow", "block")
 _LISTS = ("messages", "systems", "components")
 Filter = list[tuple[bool, str, list[int]]]
-"""What may pass in one direction: lists that allow or block, and what they are about."""
+"""The filter of one direction: lists that allow or block, with the property that they compare."""
 
 
 @dataclass(frozen=True)

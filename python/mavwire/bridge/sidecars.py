@@ -1,4 +1,4 @@
-"""What `mavwire bridge` opens beside a bridge, as a file describes it: HTTP servers and sinks."""
+"""HTTP servers and sinks that `mavwire bridge` opens beside a bridge, as a file describes them."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
         @property
         def dropped(self) -> int:
-            """What it dropped because those who get it are too slow."""
+            """Frames that it dropped because their receivers are too slow."""
 
         def is_wanted(self) -> bool:
             """Whether anyone gets it."""
@@ -89,12 +89,12 @@ class Sink:
 
     @property
     def note(self) -> str:
-        """What a user is told of it."""
+        """A line for the user about it."""
         return f"publishing to {self.name}"
 
     @property
     def dropped(self) -> int:
-        """What was dropped because the other end, or this one, was too slow for it."""
+        """Frames that were dropped because the other end, or this one, was too slow."""
         return self._batches.dropped + self._publisher.dropped
 
     def stats(self) -> dict[str, Any]:
@@ -276,7 +276,7 @@ class _Mqtt:
         self._last: Any = None
 
     def _hear(self, client: Any, data: Any, flags: Any, code: Any, properties: Any) -> None:
-        """What the broker says to a connection."""
+        """Keep the broker's reason if it refuses a connection."""
         self._refusal = str(code) if code.is_failure else None
 
     def is_wanted(self) -> bool:
@@ -355,7 +355,7 @@ class _Zenoh:
                     publisher.undeclare()
                 self._publishers.clear()  # someone makes up addresses
             if key not in self._publishers:
-                # What Zenoh drops it does not count; what the sink is too late for is counted.
+                # Zenoh would not count what it drops. With BLOCK the sink drops and counts.
                 block = zenoh.CongestionControl.BLOCK
                 self._publishers[key] = self._session.declare_publisher(
                     key, congestion_control=block
@@ -365,7 +365,7 @@ class _Zenoh:
             raise OSError(str(error)) from None
 
     def flush(self, seconds: float) -> bool:
-        """What was put has left: `put` waits for it."""
+        """True: `put` has sent everything before it returns."""
         return True
 
     def close(self) -> None:

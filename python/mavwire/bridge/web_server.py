@@ -75,7 +75,7 @@ class WebServer:
 
     @property
     def note(self) -> str:
-        """What a user is told of it."""
+        """A line for the user about it."""
         return f"{self.purpose} on port {self.port}"
 
     @property
@@ -222,7 +222,7 @@ class _Connection(web.RequestHandler):
         self._owner.connections.discard(self)
 
     def eof_received(self) -> bool:  # type: ignore[override]
-        """Who has only said all that it has to say is answered."""
+        """Keep a connection whose client has finished sending, so that it gets its answer."""
         return not self.is_web_socket
 
     def handle_error(self, *arguments: Any, **named: Any) -> web.StreamResponse:
@@ -244,7 +244,7 @@ def _listening(host: str, port: int) -> socket.socket:
 
 
 def _own_names(host: str) -> set[str]:
-    """What a server is called that listens on `host`, with the names that this machine has for itself."""
+    """Names of a server that listens on `host`: that one, and the names of this machine."""
     machine = socket.gethostname().lower()
     short = machine.partition(".")[0]
     return {host.lower(), machine, short, f"{short}.local"}

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from .bridge import Bridge
 
-# What may wait for a reader; beyond it only the newest batch does.
+# Bytes that may wait for a reader. Beyond it only the newest batch waits.
 MAX_WAITING = 512 * 1024
-# What the system may hold back for it besides, which nobody can replace by something newer.
+# Bytes that the system may hold back besides. Newer ones cannot replace those.
 SEND_BUFFER = 64 * 1024
 # The libraries of most readers take a message of 1 MiB.
 MAX_TEXT = 256 * 1024
@@ -32,7 +32,7 @@ RAW = "out"
 
 
 class _Item(NamedTuple):
-    """What is published under a key, of which these are the parts, and how many frames are in it."""
+    """One publication: the parts of its key, its bytes, and the number of frames in them."""
 
     key: tuple[str, ...]
     data: bytes
@@ -40,7 +40,7 @@ class _Item(NamedTuple):
 
 
 class _Reader:
-    """What waits for one connection. `wanted` are the parts of a key, `*` for any."""
+    """The queue of one connection. `wanted` are the parts of a key, `*` for any."""
 
     def __init__(self, wanted: list[str]) -> None:
         self._wanted = tuple(wanted)
@@ -76,7 +76,7 @@ class _Reader:
         return all(want in ("*", part) for want, part in zip(self._wanted, key, strict=False))
 
     def messages(self) -> Iterator[str | bytes]:
-        """What waits."""
+        """The waiting messages, which leave the queue."""
         waiting, self._waiting, self._size = self._waiting, [], 0
         if self._is_raw:
             yield from (item.data for item in waiting)

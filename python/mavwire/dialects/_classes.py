@@ -102,7 +102,7 @@ def defining_class(cls: type) -> type | None:
 
 
 def _wire_rows(info: _native.MessageInfo) -> "list[tuple[Any, ...]]":
-    """What constructor parameters are made of, in wire order."""
+    """The rows that become constructor parameters, in wire order."""
     rows = {row[0]: row for row in info.parameters}
     return [rows[name] for name in info.ordered_fieldnames]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from functools import cache
 
-# What is only needed for types, or seldom, would be most of the time of an import.
+# Imports for types or rare calls would take most of the time of importing this module.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator

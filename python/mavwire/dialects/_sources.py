@@ -47,8 +47,8 @@ def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[s
 
 
 def told_of(error: Exception, path: str | os.PathLike[str], main: str) -> str:
-    """What is wrong with a dialect. The native side knows its texts by base names and calls each a ``.xml``: the main
-    one gets the name that it was given by, which may end in something else.
+    """The text of an error in a dialect. The native side calls each file by its base name with ``.xml``. The main file
+    gets back the name that it was given by, which may end in something else.
     """
     said, text = str(error), os.fspath(path)
     file = f"{main}.xml:"

@@ -92,7 +92,7 @@ def status(path: str, options: Mapping[str, Any] | None = None) -> tuple[int, in
 def located(
     path: str, byte_range: ByteRange | Part | None = None, options: Mapping[str, Any] | None = None
 ) -> Iterator[Source]:
-    """What the native reader takes for a log or a range of it.
+    """The native reader's argument for a log or a range of it.
 
     OSError and what fsspec raises where it cannot be read, ValueError for a range that is not
     there.

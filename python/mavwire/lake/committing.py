@@ -43,7 +43,7 @@ class Lake:
         self._commit = os.path.join(root, COMMIT)
 
     def ledger(self) -> Ledger:
-        """What is in the lake, after a commit that was killed is carried through."""
+        """The lake's ledger. A commit that was killed is finished first."""
         if os.path.lexists(self._commit):
             with self.locked():
                 pass
@@ -159,12 +159,12 @@ def _row(row: Converted, earlier: Converted | None) -> Converted:
 
 
 class _Changes:
-    """What a commit does to each table."""
+    """The changes that a commit makes to each table."""
 
     def __init__(self, root: str, folder: str, data: bool = True) -> None:
         self.folder = folder
         self.tables: dict[str, dict[str, Any]] = {}
-        """What becomes of each table."""
+        """The changes of each table."""
         self.opened: dict[str, Any] = {}
         self._root = root
         self._data = data

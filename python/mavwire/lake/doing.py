@@ -69,7 +69,7 @@ class Written:
 
 @dataclass
 class Made:
-    """What became of a part."""
+    """The outcome of a part: rows of the manifest, and files in a folder."""
 
     folder: str
     rows: list[Converted] = field(default_factory=list)

@@ -16,7 +16,7 @@ VERSION = 1
 
 @dataclass
 class Ledger:
-    """What is in a lake."""
+    """The record of a lake's content, as of its last commit."""
 
     options: dict[str, Any]
     """The options that all of its rows have in common."""

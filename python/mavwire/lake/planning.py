@@ -32,7 +32,7 @@ class Task:
 
 @dataclass
 class Plan:
-    """What a run has to do."""
+    """The work of a run: the parts to read, and the logs that need no reading."""
 
     parts: list[list[Task]]
     rows: dict[str, Converted]

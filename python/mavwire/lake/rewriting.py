@@ -33,7 +33,7 @@ class Reader:
         self._paths = paths
         self._without = without
         self._names = names or {}
-        """What columns are called here, and whether they become floats."""
+        """The name of each column here, and whether it becomes floats."""
         self.schema = pa.unify_schemas([pq.read_schema(path) for path in paths])
 
     def has_removed(self) -> bool:

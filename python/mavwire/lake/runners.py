@@ -72,7 +72,7 @@ def run_dask(parts: Parts, recipe: Recipe, client: Any) -> Iterator[Made]:
 
 
 def _outcome(future: Any, part: list[Task], recipe: Recipe) -> Made:
-    """What became of a part; where its worker ended, rows that say so."""
+    """The outcome of a part. If its worker ended, rows that report the error."""
     error = future.exception()
     if error is None:
         made: Made = future.result()

@@ -173,8 +173,8 @@ def prepared(
     timestamp_store: Any = None,
     max_ahead: float | None = None,
 ) -> tuple[Any, ...]:
-    """What `_begin_signing` needs, from the arguments of `setup_signing`, with its errors; as slow as
-    the store is. All is checked before anything is touched, and the store is the last that may fail.
+    """The arguments of `_begin_signing`, made from those of `setup_signing`. Raises its errors, and is as slow as
+    the store. All is checked before anything is touched, and the store is the last that may fail.
     """
     allow_unsigned_callback = _callback(allow_unsigned_callback)
     follows_clock = initial_timestamp is None

@@ -43,7 +43,7 @@ def prepare_tcp(port: Any) -> None:
                 port.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
-# What a receive buffer should hold: a tenth of a second of 100,000 datagrams a second, which count
+# Wanted size of a receive buffer: a tenth of a second of 100,000 datagrams a second, which count
 # 768 bytes each. Systems allow less by default and then give what they allow.
 RECEIVE_BUFFER = 8 << 20
 

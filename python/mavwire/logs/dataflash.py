@@ -139,7 +139,7 @@ class DataflashLog(Log):
         return read_described(*self._opened(selection), self.path, selection, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
-        """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.
+        """The content of the log: types, rates, gaps, damage. Senders are not listed: it has one.
 
         `pulse`, if given, is told now and then how many bytes are read.
         """

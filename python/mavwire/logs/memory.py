@@ -12,7 +12,7 @@ from mavwire._text import callers_level
 
 GIB = 1 << 30
 LIMIT, USED = "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"
-"""What Linux grants a container."""
+"""Files in which Linux tells the memory limit of a container, and its use."""
 
 
 def available() -> int | None:

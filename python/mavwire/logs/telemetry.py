@@ -165,7 +165,7 @@ class TelemetryLog(Log):
         return read(self.path, types, wide=wide, dialect=self.dialect, **query)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
-        """What is in the log: types, rates, senders, losses, gaps, damage.
+        """The content of the log: types, rates, senders, losses, gaps, damage.
 
         `pulse`, if given, is told now and then how many bytes are read.
         """

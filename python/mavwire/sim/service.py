@@ -12,7 +12,7 @@ Handler = Callable[[Any], None]
 
 
 class Address(NamedTuple):
-    """Who sent a message, and gets the answer."""
+    """The sender of a message, who gets the answer."""
 
     system: int
     component: int

@@ -44,7 +44,7 @@ class StatusTable:
         width = None if on_terminal else NO_TERMINAL_WIDTH
         self._console = Console(file=terminal, force_terminal=on_terminal, width=width)
         self.is_live = on_terminal and not self._console.is_dumb_terminal
-        # What is printed meanwhile goes above the table, but not what goes to a file or a pipe.
+        # Lines printed meanwhile go above the table, but not those to a file or a pipe.
         self._live = Live(
             self._tables(bridge.stats()), console=self._console, auto_refresh=False,
             redirect_stderr=is_terminal(sys.stderr),

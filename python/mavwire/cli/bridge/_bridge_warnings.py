@@ -1,4 +1,4 @@
-"""What `mavwire bridge` says of its own accord while it runs."""
+"""Warnings that `mavwire bridge` prints while it runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ AGAIN = 60.0
 
 
 class Loss(NamedTuple):
-    """What a recording or a sink lost, and why it does so now."""
+    """The losses of a recording or a sink, and the error that causes them now."""
 
     name: str
     what: str
@@ -32,7 +32,7 @@ class Loss(NamedTuple):
 
 
 def losses(stats: dict[str, Any]) -> list[Loss]:
-    """What recording and sinks have lost so far, or have trouble with."""
+    """The losses and errors of recording and sinks so far."""
     recording = stats["recording"]
     found = [Loss(one["name"], "frames", one["failed"] + one["dropped"], one["error"])
              for one in stats["sinks"]]  # fmt: skip

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavwire.logs import TelemetryLog
 
 DEFAULT_OUT = "udpout:127.0.0.1:14550"
-# What may wait for a slow peer: some minutes of a radio's traffic.
+# Bytes that may wait for a slow peer: some minutes of a radio's traffic.
 QUEUE = 16 << 20
 # Frames of this many seconds leave together; a gap in the log longer than the other is cut short.
 STEP = 0.005

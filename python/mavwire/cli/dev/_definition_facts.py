@@ -28,7 +28,7 @@ class Message:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What frames tell of the definition."""
+        """The part of the definition that its frames prove."""
         return self.name, self.crc_extra
 
 
@@ -134,7 +134,7 @@ def _described(row: dict[str, Any]) -> str:
 
 
 def changes(old: Facts, new: Facts) -> dict[str, Any]:
-    """What was added, removed and changed, messages by id and enums by name."""
+    """Additions, removals and changes, messages by id and enums by name."""
     messages = _changes(old.messages, new.messages, _message_changes)
     for kind in ("added", "removed"):
         messages[kind] = {id_: message.name for id_, message in messages[kind].items()}

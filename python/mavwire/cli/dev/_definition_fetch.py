@@ -64,7 +64,7 @@ def _check_scheme(address: str) -> None:
 
 
 def _get(address: str) -> bytes:
-    """What an address gives, at most `MAX_DOWNLOAD` bytes."""
+    """The content at an address, at most `MAX_DOWNLOAD` bytes."""
     _check_scheme(address)
     try:
         with request.build_opener(_OnlyHttps).open(address, timeout=TIMEOUT) as response:

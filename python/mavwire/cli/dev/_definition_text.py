@@ -14,8 +14,8 @@ WIDTH = 100
 
 
 def describe(module: Any, name: str) -> str:
-    """What the dialect module has under `name`, in any letter case, or under a message id. CommandError if there is
-    nothing.
+    """The definition called `name` in the dialect module, in any letter case, or with this message id.
+    CommandError if it is not found.
     """
     wanted = name.upper()
     native = module.MAVLink(None)._dialect

@@ -121,7 +121,7 @@ def _clear(folder: Path) -> None:
 
 
 def show(name: str, dialect: str | list[str]) -> str:
-    """What the dialect, or the first of several, has under this name, as text."""
+    """The definition with this name in the dialect, or in the first of several, as text."""
     from mavwire import mavutil
     from mavwire.cli._reading import definitions
     from mavwire.cli.dev._definition_text import describe

@@ -1,4 +1,4 @@
-"""What commands say of the logs that they turned into tables."""
+"""Lines that commands print about the logs that they turned into tables."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def _keeping_events(link: Any, events: list[Any]) -> Iterator[None]:
 
 
 def _of_vehicle(link: Any, save: str | None) -> EventDefinitions | None:
-    """What the vehicle offers. None, and a line on standard error, where it offers none."""
+    """The vehicle's event definitions. None, and a line on standard error, if it offers none."""
     try:
         if link.wait_heartbeat(timeout=HEARTBEAT_TIMEOUT) is None:
             raise TimeoutError(f"no heartbeat within {HEARTBEAT_TIMEOUT:.0f} s")

@@ -107,7 +107,7 @@ class Personality:
     targets_lift: ClassVar[bool]
     # Whether MAV_CMD_DO_REPOSITION changes the mode without being asked to.
     reposition_changes_mode: ClassVar[bool]
-    # What acknowledges SET_MODE: a command, or the id of the message.
+    # COMMAND_ACK for SET_MODE carries this number: that of a command, or the message's id.
     set_mode_ack: ClassVar[int]
     # Whether FTP offers all parameters in one file.
     packed_params: ClassVar[bool]
