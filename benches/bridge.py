@@ -113,7 +113,7 @@ def compare(seconds: float, runs: int) -> None:
 
 
 def measure(case: Case, seconds: float) -> dict[str, Any]:
-    """What a measuring process found."""
+    """The findings of a measuring process."""
     numbers = map(str, (*case, seconds))
     command = [sys.executable, str(WORKER), "forward", *numbers]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

@@ -171,7 +171,7 @@ def run_startup(packages: list[str], corpus: corpora.Corpus, args: argparse.Name
 
 
 def core_line() -> str | None:
-    """What the core's own benchmark says, where it was built."""
+    """The output of the core's own benchmark, where it was built."""
     tool = HERE.parent / "target" / "release" / "examples" / "hot_paths"
     if not tool.exists():
         return None
@@ -268,7 +268,7 @@ def problems(results: list[Result]) -> list[str]:
 
 
 def machine() -> str:
-    """What the figures were measured on."""
+    """The machine of the figures."""
     name = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.exists():

@@ -65,7 +65,7 @@ def spent(words: list[str]) -> tuple[float, float]:
 
 
 def sums_of_lake(root: Path) -> Sums:
-    """What is in a lake."""
+    """Row counts and checksums of a lake."""
     import deltalake
 
     found = {}
@@ -77,7 +77,7 @@ def sums_of_lake(root: Path) -> Sums:
 
 
 def sums_of_files(out: Path) -> Sums:
-    """What is in a folder of converted logs."""
+    """Row counts and checksums of a folder of converted logs."""
     folders = [one for one in out.iterdir() if one.is_dir()]
     return {one.name: sums([str(one / "*.parquet")]) for one in folders}
 

@@ -61,7 +61,7 @@ def read_open_log(path: str) -> dict[str, Any]:
 
 
 def converted(path: str, form: str = "parquet") -> dict[str, Any]:
-    """What `mavwire convert` makes of it: of Parquet a file for each type."""
+    """The cost and the output of `mavwire convert`: of Parquet a file for each type."""
     from mavwire.logs.conversion import convert
     from mavwire.logs.formats import FORMATS
 
@@ -108,7 +108,7 @@ def measure(reader: str, log: Path, messages: int, runs: int) -> dict[str, float
 
 
 def row(log: Path, messages: int, runs: int) -> list[str]:
-    """What reading the log costs."""
+    """The cost of reading the log."""
     link, plain = (measure(reader, log, messages, runs) for reader in ("recv_msg", "open_log"))
     return [
         f"{log.stat().st_size / 1e6:,.1f} MB", f"{messages:,}", f"{link['open']:.3f}",
@@ -117,7 +117,7 @@ def row(log: Path, messages: int, runs: int) -> list[str]:
 
 
 def converted_row(form: str, log: Path, messages: int, runs: int) -> list[str]:
-    """What converting the log costs."""
+    """The cost of converting the log."""
     cost = measure(form, log, messages, runs)
     return [
         f"{log.stat().st_size / 1e6:,.1f} MB {log.suffix}", f"{messages:,}", f"{cost['read']:.3f}",
@@ -155,7 +155,7 @@ def repeat(flight: Path, messages: int, log: Path, flights: int) -> int:
 
 
 def of_every_type(size: float) -> dict[str, Writer]:
-    """What writes logs of all types, the shortest of so many bytes."""
+    """Writers of logs of all types, the shortest of so many bytes."""
     import every_type_log
 
     return {".tlog": lambda log, times: every_type_log.write(log, int(size * times))}

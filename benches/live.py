@@ -34,7 +34,7 @@ MUST = "8 us a packet, lossless at 50,000 packets/s; aim: 4.5 us, 100,000"
 
 
 def worker(*arguments: str, script: Path = WORKER) -> dict[str, Any]:
-    """What a measuring process found."""
+    """The findings of a measuring process."""
     env = {**os.environ, "MAVLINK20": "1", "MAVLINK_DIALECT": "ardupilotmega"}
     command = [sys.executable, str(script), *arguments]
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
@@ -84,7 +84,7 @@ def rate_lines(group: list[dict[str, Any]]) -> list[str]:
 
 
 def waiting(package: str) -> dict[str, Any]:
-    """What links cost that wait, and how soon they wake up."""
+    """The cost of links that wait, and the time until they wake up."""
     idle = worker("idle", package, LINKS)
     awake = worker("responsive", package, LINKS)
     print(f"\n{package}: {LINKS} idle links take {100 * idle['share']:.2f}% of a processor;")

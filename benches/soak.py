@@ -91,7 +91,7 @@ def told(process: subprocess.Popen[str]) -> Any:
 
 
 def asked(process: subprocess.Popen[str], word: str = "sample") -> Any:
-    """What a worker answers."""
+    """The answer of a worker."""
     assert process.stdin is not None
     process.stdin.write(word + "\n")
     process.stdin.flush()
@@ -115,7 +115,7 @@ def growth(samples: list[dict[str, Any]], key: str) -> float:
 def wrong(
     sent: int, end: dict[str, Any], samples: list[dict[str, Any]], descriptors: float = 0.5
 ) -> list[str]:
-    """What was not as it must be."""
+    """Failures of a run."""
     found = []
     if end["received"] != sent or end["compared"] != sent:
         found.append(
@@ -136,7 +136,7 @@ def wrong(
 
 
 def too_dear(bridge: dict[str, Any]) -> list[str]:
-    """What hostile peers cost the bridge that they may not."""
+    """Costs that hostile peers cause the bridge, above the limits."""
     found = []
     if (each := nanoseconds(bridge)) > MOST_NANOSECONDS:
         found.append(f"{each:.1f} ns CPU a byte are more than {MOST_NANOSECONDS:g}")

@@ -44,7 +44,7 @@ LEAST = 0.01
 
 
 def command(package: str, verb: str, script: str, options: str) -> list[str]:
-    """What is run in a folder that has the log."""
+    """The command that runs in a folder with the log."""
     scripts = Path(sys.executable).parent
     program = [scripts / script] if package == "pymavlink" else [scripts / "mavwire", verb]
     return [sys.executable, *map(str, program), *options.split(), LOG]
@@ -82,7 +82,7 @@ def row(tool: tuple[str, str, str], rounds: list[list[float]]) -> list[str]:
     """Cells of the table: medians of the rounds, and of the ratios within them."""
     theirs, ours = (median(one[at] for one in rounds) for at in (0, 2))
     whole = median(one[0] / one[2] for one in rounds)
-    # What is too short for the clock of the system gives no ratio.
+    # A run that is too short for the clock of the system gives no ratio.
     clear = median(one[2] - one[3] for one in rounds) >= LEAST
     beyond = median((one[0] - one[1]) / max(one[2] - one[3], LEAST) for one in rounds)
     start, our_start = (median(one[at] for one in rounds) * 1000 for at in (1, 3))

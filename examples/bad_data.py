@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a bad link delivers: broken frames, lost frames, and text between the frames.
+"""The output of a bad link: broken frames, lost frames, and text between the frames.
 
 mavwire sim --corrupt 10% --loss 5%
 python examples/bad_data.py
@@ -23,7 +23,7 @@ while good < 300:
     if msg is None:
         link.select(0.1)
     elif msg.get_type() == "BAD_DATA":
-        # What is no frame with a right checksum. A console's text may be among it.
+        # Bytes that are not a frame with a right checksum. A console's text may be among them.
         pieces += 1
         junk += len(msg.data)
         if mavutil.all_printable(msg.data):

@@ -36,7 +36,7 @@ ONLY_POSITION = 0xDF8  # of SET_POSITION_TARGET_LOCAL_NED: ignore velocities, ac
 
 
 class View:
-    """What the vehicle does: one line that changes on a terminal, lines now and then elsewhere."""
+    """The vehicle's state: one line that changes on a terminal, lines now and then elsewhere."""
 
     def __init__(self) -> None:
         self.live = sys.stdout.isatty()

@@ -38,7 +38,7 @@ LAND = 0x6040000
 
 
 class Device(Protocol):
-    """What bytes go through."""
+    """A carrier of bytes, such as a socket or a serial port."""
 
     def write(self, data: bytes) -> Any: ...
     def read(self) -> bytes: ...
@@ -78,7 +78,7 @@ class UdpDevice:
 class MAVAPI:
     """One MAVLink system on a device."""
 
-    # What the heartbeats say.
+    # The content of the heartbeats.
     type = MAV_TYPE_ONBOARD_CONTROLLER
     autopilot = MAV_AUTOPILOT_INVALID
     base_mode = 0

@@ -52,7 +52,7 @@ with mavutil.mavlink_connection(device) as link:
     times = [link.recv_match(type="ATTITUDE", blocking=True).time_boot_ms for _ in range(41)]
     print(f"measured: {40e3 / (times[-1] - times[0]):.0f} a second")
 
-    # What the vehicle says about it; the answer is a message of its own.
+    # The vehicle reports its interval; the answer is a message of its own.
     msg = answer(link, "MESSAGE_INTERVAL", mavlink.MAV_CMD_GET_MESSAGE_INTERVAL, attitude)
     print("interval:", None if msg is None else f"{msg.interval_us} us")
 

@@ -36,7 +36,7 @@ with mavutil.mavlink_connection(device, dialect="common") as link:
         )
     print(f"system {link.target_system}: signed {beat.get_signed()}, link id {beat.get_link_id()}")
 
-    # What is sent is signed too, or the vehicle would not answer.
+    # Outgoing messages are signed too, or the vehicle would not answer.
     version = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
     link.mav.command_long_send(
         link.target_system, link.target_component, mavlink.MAV_CMD_REQUEST_MESSAGE,

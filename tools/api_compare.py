@@ -31,7 +31,7 @@ ABSENT = object()
 
 @dataclass(frozen=True)
 class Row:
-    """What was found about one public name. `problem` is empty where both packages agree."""
+    """The comparison of one public name. `problem` is empty where both packages agree."""
 
     module: str
     name: str
@@ -175,7 +175,7 @@ def _call_problem(our: Any, their: Any) -> str:
 
 
 def _parameters(function: Any) -> list[inspect.Parameter] | None:
-    """What a caller can give, without types; None if that cannot be known."""
+    """Parameters that a caller can give, without types. None if they cannot be known."""
     try:
         signature = inspect.signature(function)
     except (ValueError, TypeError):

@@ -68,7 +68,7 @@ def wrong_sources(packages: list[Package]) -> list[str]:
 
 
 def answer_of(command: list[str]) -> Any:
-    """What a program prints as JSON; None where it cannot say."""
+    """The JSON that a program prints; None where it fails."""
     try:
         done = subprocess.run(
             command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=SECONDS
@@ -79,7 +79,7 @@ def answer_of(command: list[str]) -> Any:
 
 
 def rust_advisories(answer: Any) -> tuple[list[str], str]:
-    """What cargo-audit found, and why it found nothing if it could not look."""
+    """Findings of cargo-audit, and the reason if it could not look."""
     try:
         found = answer["vulnerabilities"]["list"]
         return [f"{one['package']['name']}: {one['advisory']['id']}" for one in found], ""
@@ -88,7 +88,7 @@ def rust_advisories(answer: Any) -> tuple[list[str], str]:
 
 
 def python_advisories(answer: Any) -> tuple[list[str], str]:
-    """What pip-audit found, and why it found nothing if it could not look."""
+    """Findings of pip-audit, and the reason if it could not look."""
     try:
         packages = answer["dependencies"]
         found = [f"{one['name']}: {bug['id']}" for one in packages for bug in one.get("vulns", ())]

@@ -71,12 +71,12 @@ def read_reasons() -> tuple[dict[str, str], list[Reason]]:
 
 
 def find_rows(names: Iterable[str]) -> list[Row]:
-    """What both packages show now in these modules."""
+    """The comparison of all public names of both packages in these modules."""
     return [row for name in names for row in compare_modules(name, OURS, THEIRS)]
 
 
 def unexplained(rows: Iterable[Row], reasons: list[Reason]) -> list[Row]:
-    """What differs without a reason."""
+    """Differences without a reason."""
     return [row for row in rows if row.problem and not any(one.covers(row) for one in reasons)]
 
 
@@ -155,7 +155,7 @@ def render(rows: list[Row], reasons: list[Reason], left_out: dict[str, str]) -> 
 
 
 def mistakes(rows: list[Row], reasons: list[Reason]) -> list[str]:
-    """What is wrong with the reasons."""
+    """Mistakes in the reasons."""
     return [
         *(f"no reason: {full_name(row)}: {row.problem}" for row in unexplained(rows, reasons)),
         *(f"a reason for no difference: {name}" for name in idle(rows, reasons)),

@@ -38,7 +38,7 @@ Change = tuple[str, str, Accepted | None]
 
 @dataclass
 class Verdict:
-    """What came in a file, by kind of change, and what of the file may be imported."""
+    """The changes in a file by their kind, and the part of it that may be imported."""
 
     file: Path
     facts: Facts

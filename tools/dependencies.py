@@ -14,7 +14,7 @@ Package = dict[str, Any]
 
 
 def metadata() -> dict[str, Any]:
-    """What `cargo metadata` says of the locked dependencies: from the crates that are here if that will do."""
+    """Output of `cargo metadata` for the locked dependencies, from the crates on this machine if possible."""
     command = [os.environ.get("CARGO", "cargo"), "metadata", "--format-version", "1", "--locked"]
     for further in (["--offline"], []):
         done = subprocess.run(

@@ -93,7 +93,7 @@ def generated() -> dict[str, str]:
 
 
 def command_page() -> str:
-    """What `mavwire help COMMAND` says, for each."""
+    """The output of `mavwire help COMMAND` for each command."""
     from mavwire import cli
     from mavwire.cli import _parsers
 

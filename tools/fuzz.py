@@ -18,7 +18,7 @@ from pathlib import Path
 
 FUZZ = Path(__file__).parents[1] / "rust" / "fuzz"
 TRIPLE = "x86_64-unknown-linux-gnu" if sys.platform == "linux" else "aarch64-apple-darwin"
-# What cargo-fuzz passes too.
+# Flags that cargo-fuzz passes too.
 FLAGS = (
     "-Zsanitizer=address --cfg fuzzing -Cpasses=sancov-module "
     "-Cllvm-args=-sanitizer-coverage-level=4 "

@@ -37,7 +37,7 @@ NOTE = "Written by tools/generate_stubs.py."
 
 @dataclass
 class Content:
-    """What one dialect has, its includes' part included: text by name, in the dialect's order."""
+    """The content of one dialect with its includes: text by name, in the dialect's order."""
 
     name: str
     constants: dict[str, str] = field(default_factory=dict)
@@ -139,7 +139,7 @@ def message_class(info: MessageInfo) -> str:
 
 
 def link_methods(info: MessageInfo) -> str:
-    """What `MAVLink` has for a message."""
+    """Methods of `MAVLink` for a message."""
     lower = info.name.lower()
     parts = parameters(info, True)
     encode = signature(f"{lower}_encode", parts, f"MAVLink_{lower}_message")
@@ -166,7 +166,7 @@ def content(name: str, protocol: str) -> Content:
 
 
 def own(whole: Content, parts: list[Content]) -> Content:
-    """What `whole` has beyond its includes. ValueError if it has the same thing differently."""
+    """The content of `whole` beyond its includes. ValueError if it has a name with another text."""
     rest = Content(whole.name)
     for kind in ("constants", "messages", "methods"):
         known: dict[str, str] = {}
@@ -181,7 +181,7 @@ def own(whole: Content, parts: list[Content]) -> Content:
 
 
 def split(part: Content, union: Content) -> tuple[Content, Content]:
-    """What the union has too, and the rest. A message and its methods stay together."""
+    """The part that the union has too, and the rest. A message and its methods stay together."""
     same, replaced = Content(part.name), Content(part.name + REPLACED)
     for name, text in part.constants.items():
         target = same if union.constants.get(name) == text else replaced

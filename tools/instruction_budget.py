@@ -102,7 +102,7 @@ def measure(only: str | None) -> dict[str, float]:
 
 
 def judge(measured: dict[str, float], budget: dict[str, float]) -> list[str]:
-    """What is over the budget or missing from it."""
+    """Measurements over the budget, and measurements or budgets that are missing."""
     found = []
     for name, count in measured.items():
         allowed = budget.get(name)

@@ -222,7 +222,7 @@ def command_row(entry: ET.Element, summaries: Summaries) -> tuple[str, ...]:
 
 
 def note(element: ET.Element) -> str:
-    """What the definitions say of its standing: old, or not settled yet."""
+    """The status of a definition: old, or still subject to change."""
     for tag, word in (("deprecated", "Old"), ("superseded", "Old")):
         found = element.find(tag)
         if found is not None:

@@ -31,7 +31,7 @@ def source_date() -> int:
 
 
 def environment(sources: Path, cargo_home: Path) -> dict[str, str]:
-    """What makes a build in `sources` independent of place and time."""
+    """Environment variables that make a build in `sources` independent of place and time."""
     places = {sources: "/mavwire", cargo_home: "/cargo"}
     flags = [f"--remap-path-prefix={place}={name}" for place, name in places.items()]
     return {
@@ -75,7 +75,7 @@ def build(folder: Path, profile: str) -> Path:
 
 
 def differences(one: Path, other: Path) -> list[str]:
-    """What differs between two wheels, by the files in them; empty if not a byte does."""
+    """The differences between two wheels, by the files in them; empty if all bytes are equal."""
     if one.read_bytes() == other.read_bytes():
         return []
     with zipfile.ZipFile(one) as first, zipfile.ZipFile(other) as second:

@@ -44,7 +44,7 @@ def crate(package: Package, checksums: dict[tuple[str, str], str]) -> Component:
 
 
 def reference(package: Package) -> str:
-    """What a crate is called in the bill: its package URL."""
+    """The name of a crate in the bill: its package URL."""
     return f"pkg:cargo/{package['name']}@{package['version']}"
 
 

@@ -47,7 +47,7 @@ def use(log: Path) -> None:
 
 
 def run(*command: str) -> str:
-    """What a command prints."""
+    """The output of a command."""
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 

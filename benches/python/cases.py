@@ -1,5 +1,5 @@
-"""What is measured: for each row of the table the work, how many messages it handles and what
-proves it was done right.
+"""The measured cases: for each row of the table the work, the number of messages it handles, and a
+proof that it was done right.
 
 A case is the same code for every package. `run` is timed; what it returns must equal `expect`.
 `digest` is not timed: it looks at the same results closely, and the driver compares the packages'
@@ -64,7 +64,7 @@ def parse(mav: Any, pieces: Iterable[bytes]) -> Iterator[Any]:
 
 
 def fingerprint(messages: Iterable[Any]) -> str:
-    """What the messages say, as one digest."""
+    """A digest of the messages' texts and bytes."""
     text = "\n".join(f"{bytes(msg.get_msgbuf()).hex()} {msg}" for msg in messages)
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -62,7 +62,7 @@ def send(rate: int, seconds: float, gap: float, ports: list[int]) -> None:
 
 
 class Sink:
-    """What arrives at one end: the time of each frame by its number."""
+    """The frames that arrive at one end: the time of each by its number."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -1,4 +1,4 @@
-"""What the kernel alone takes to send datagrams: `python benches/python/send_floor.py`, on Linux.
+"""The kernel's own time to send datagrams: `python benches/python/send_floor.py`, on Linux.
 
 A loop over `sendmmsg` and nothing else sends a vehicle's frames to ten sockets on loopback, a datagram for each frame,
 in calls of 1 to 64. This is what a bridge to ten links costs at least where no two frames share a datagram or leave

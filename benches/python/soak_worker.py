@@ -59,7 +59,7 @@ def send(port: str, rate: str, seconds: str) -> None:
         sock.connect(("127.0.0.1", int(port)))
         start = time.perf_counter()
         while sent < wanted:
-            # What is late is caught up with gently: the machine may have stood still.
+            # Late frames follow at a limited rate: the machine may have stood still.
             due = min(wanted, int((time.perf_counter() - start) * int(rate)) + 1, sent + 2000)
             for n in range(sent, due):
                 sock.send(frames[n % FRAMES])
