@@ -2,7 +2,7 @@
 same run.
 
 Every package works in a process of its own on the same processor, in turns. A figure is the median
-of several interleaved runs. What the packages found is compared, so no row is fast by being wrong.
+of several interleaved runs. The packages' findings are compared, so no row is fast by being wrong.
 """
 
 from __future__ import annotations
@@ -197,7 +197,7 @@ def progress(text: str) -> None:
 
 
 def verdict(row: Row, ratio: float | None, rate: float) -> str:
-    """How a row stands against its goals."""
+    """The row's verdict against its goals."""
     if row.must is None:
         return ""
     if row.aim is not None and row.aim.met(ratio, rate):

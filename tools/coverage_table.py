@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Write docs/coverage.md: every public name of the installed pymavlink, and what mavwire has of it.
 
-What differs or is missing needs a reason in tools/coverage_reasons.toml, which quotes the place of
+A name that differs or is missing needs a reason in tools/coverage_reasons.toml, which quotes the place of
 docs/compatibility.md that explains it. Nothing of pymavlink's sources is read.
 
     tools/coverage_table.py            # write docs/coverage.md
@@ -48,7 +48,7 @@ and no description of a message or enum. pymavlink's scripts are in [pymavlink-t
 
 @dataclass(frozen=True)
 class Reason:
-    """Why some names differ; `quote` stands in docs/compatibility.md."""
+    """The reason why some names differ; `quote` is a sentence of docs/compatibility.md."""
 
     names: list[str]
     reason: str

@@ -34,7 +34,7 @@ def foreign(packages: list[Package]) -> list[Package]:
 def shipped(data: dict[str, Any]) -> tuple[Package, list[Package], dict[str, list[str]]]:
     """The extension module, the crates that are compiled into it (for any system), and by id what each depends on.
 
-    What only builds or tests it is left out.
+    Crates that only build or test it are left out.
     """
     packages = {one["id"]: one for one in data["packages"]}
     nodes = {one["id"]: one for one in data["resolve"]["nodes"]}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Put the pages of the documentation site together, in target/docs, where mkdocs.yml expects them.
 
-What people read in the repository is the site too: README.md is its first page, docs/, examples/,
+The site has the same pages as the repository: README.md is its first page, docs/, examples/,
 CONTRIBUTING.md and CHANGELOG.md are pages of it. Links between them are written for the repository
 and are turned here into links of the site; what a link leads to must be there. Beside these come
 the reference of messages, of the Python modules (which mkdocstrings fills in) and of the commands.

@@ -1,7 +1,7 @@
 """Builds the fuzz targets of rust/fuzz with libFuzzer and the address sanitizer, and runs each for some time.
 
 Needs a nightly toolchain, and fails without one unless told to go on (`--without-nightly skip`). Prints executions,
-coverage and what was found for each target. What stops a target stays in rust/fuzz/artifacts; `--keep`
+coverage and findings of each target. An input that stops a target stays in rust/fuzz/artifacts; `--keep`
 adds the inputs that reach something new to the corpus, fewest and shortest.
 """
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Write the type stubs of the dialect modules, out of the dialects of the native core.
 
-A dialect module has thousands of names and no source that a type checker could read. What a dialect
-defines itself is written once, to `_own/<name>.pyi`; the stub of the module, `<name>.pyi`, gathers
+A dialect module has thousands of names and no source that a type checker could read. The dialect's own
+definitions are written once, to `_own/<name>.pyi`; the stub of the module, `<name>.pyi`, gathers
 that of the dialect and of all it includes, and its `MAVLink` derives from theirs. Both exist for
 each wire protocol, because MAVLink 1 knows neither extension fields nor ids above 255.
 

@@ -3,7 +3,7 @@
 Rust tests name requirements in their names (`r20_r21_rescan_...`), Python tests in their docstrings
 ("R65: ..."); that of a file proves nothing. With the results of a run, `--junit FILE` of pytest and
 `--cargo FILE` of cargo, each test is shown with its outcome, and a requirement fails where one of
-its tests failed or was not run, or none passed. What was skipped is listed at the end.
+its tests failed or was not run, or none passed. Skipped tests are listed at the end.
 """
 
 from __future__ import annotations

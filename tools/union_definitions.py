@@ -5,7 +5,7 @@
     tools/union_definitions.py --check DIR...   # exit 1 where the file differs
 
 Behind the sets come the dialects of pymavlink and the union as it was: messages that upstream removes stay. Where several
-sets have a message, the longest list of fields counts. What contradicts the union is held back and printed, but for the
+sets have a message, the longest list of fields counts. Contradictions are held back and printed, but for the
 changes under `[[accepted]]` in message_definitions/sources.toml. Layouts that leave the union go to history.xml.
 A set may use an id twice in files that are not meant to be used together. Those of `all.xml` count then, and the tool
 prints the messages that it leaves out. Git tells the origin of each set for sources.toml, or `--pin` does.

@@ -133,7 +133,7 @@ def with_timeout(process: subprocess.Popen[str], seconds: float) -> None:
 
 
 def soak_line(bridge: Bridge, out: str) -> str:
-    """How a soak stands: the numbers are those since its start."""
+    """The state of a soak: the numbers are those since its start."""
     stats = bridge.stats()
     link = next(one for one in stats["links"] if one["name"] == out)
     missing = sum(one["lost"] for one in stats["components"])

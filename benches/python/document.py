@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-# Rows of the README: the path as it stands in the big table, and in plain words.
+# Rows of the README: the path as in the big table, and in plain words.
 SHORT = {
     "parse_buffer, 64 KiB chunks": "objects from a raw stream",
     "tlog: recv_match()": "`recv_match()` over a log",
@@ -33,7 +33,7 @@ def short_table(rows: list[list[str]]) -> str:
 
 
 def between(text: str, name: str, content: str) -> str:
-    """`text` with what stands between the marks `<!-- name ... -->` and `<!-- /name -->` replaced."""
+    """`text` with the lines between the marks `<!-- name ... -->` and `<!-- /name -->` replaced."""
     pattern = re.compile(rf"(<!-- {name}\b[^\n]*-->\n).*?(<!-- /{name} -->)", re.DOTALL)
     if not pattern.search(text):
         raise ValueError(f"there are no marks {name}")

@@ -7,7 +7,7 @@ in all modules that use it. If no module looks the name up, it warns. Programs t
 nothing for this.
 
 Links import `monotonic` by name for their time-outs (`from time import monotonic`). So `mavutil.time = clock`
-does not move time-outs: with a clock that stands still they would never end.
+does not move time-outs: with a clock that never advances they would never end.
 """
 
 from __future__ import annotations

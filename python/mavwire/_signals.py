@@ -34,8 +34,8 @@ def handled(numbers: Iterable[int], handler: Callable[[int, Any], object]) -> It
 
 @contextmanager
 def put_off(numbers: Iterable[int]) -> Iterator[None]:
-    """Handlers of Python for these signals are called afterwards, also where something fails. What is not
-    for Python does what it always does.
+    """Handlers of Python for these signals are called afterwards, also where something fails. Signals
+    without such a handler have their usual effect at once.
     """
     came: set[int] = set()
     called = [number for number in numbers if callable(signal.getsignal(number))]
@@ -56,7 +56,7 @@ _ends_in_order = False
 @contextmanager
 def ended_in_order() -> Iterator[None]:
     """Meanwhile what ends a process does so as Ctrl-C does: what is being written is completed or
-    removed. What comes soon after does not disturb that.
+    removed. A second signal soon after does not disturb that.
     """
     global _ends_in_order
     if _ends_in_order or threading.current_thread() is not threading.main_thread():

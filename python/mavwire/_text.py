@@ -47,7 +47,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 def in_words(error: BaseException, path: str | None = None) -> str:
     """The text of an exception, without the name of its class unless the exception has no text.
 
-    The name of a file is left out where it is `path`, which stands in front then.
+    The name of a file is left out where it is `path`: the caller writes that in front.
     """
     if isinstance(error, OSError) and error.strerror:
         named = error.filename is not None and error.filename != path

@@ -1,8 +1,8 @@
 """The files of a vehicle as a file system to look into: pymavlink's `mavftpfs`.
 
 `python -m mavwire.mavftpfs --mavlink LINK --mountpoint FOLDER` mounts them, read-only, through FUSE
-(`pip install 'mavwire[fuse]'`, and libfuse of the system). What a vehicle says is not believed where it
-matters: names that lead elsewhere are left out, and what it does not answer is an error of the read.
+(`pip install 'mavwire[fuse]'`, and libfuse of the system). The vehicle's answers are checked where it
+matters: names that lead elsewhere are left out, and a missing answer is an error of the read.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def _attributes(is_dir: bool, size: int) -> dict[str, Any]:
 
 
 def _remote(path: str) -> str:
-    """The vehicle's name of a path: what it makes up stands beside its root."""
+    """The vehicle's name of a path: files that the vehicle makes up are beside its root."""
     return path[1:] if path.startswith(f"/{MADE_UP}") else path
 
 

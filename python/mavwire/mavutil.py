@@ -2,7 +2,7 @@
 
 The work is in `mavwire.links`; this module is the face of it. `mavlink`, `current_dialect`,
 `mavfile_global` and `global_link_id` are the process-wide state in `links.state`, shown here as
-attributes that can be read and assigned. What few programs use loads on first access.
+attributes that can be read and assigned. Names that few programs use load on first access.
 """
 
 from __future__ import annotations

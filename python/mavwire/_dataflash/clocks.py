@@ -1,7 +1,7 @@
 """Time bases of dataflash logs: what turns the times in a log into Unix times.
 
 A log counts from the autopilot's start; a GPS message that carries week and milliseconds tells when
-that was. What else there is comes from autopilots of many years ago.
+that was. Other clocks come from autopilots of many years ago.
 """
 
 from __future__ import annotations

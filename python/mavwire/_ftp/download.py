@@ -1,7 +1,7 @@
 """Reading a file: bursts, and single reads for the pieces that a burst lost.
 
-A burst sends block after block without being asked again. What is missing between blocks is kept as a
-list of gaps of at most one block, and asked for on its own; a tail that is missing is asked for with
+A burst sends block after block without being asked again. Gaps between blocks are kept as a list of
+gaps of at most one block, and asked for on their own; a tail that is missing is asked for with
 the next burst. The size that the vehicle names may be a guess: the end is where a read on its own
 finds it.
 """

@@ -73,7 +73,7 @@ class Parameters(Vehicle):
         self, *, sysid: int | None = None, compid: int | None = None,
         retries: int = RETRIES, timeout: float = TIMEOUT,
     ) -> dict[str, float]:  # fmt: skip
-        """All parameters by name. What does not arrive is asked for again, one by one; TimeoutError if
+        """All parameters by name. Parameters that do not arrive are asked for again, one by one; TimeoutError if
         nothing comes `retries` times in a row."""
         target = self._target(sysid, compid)
         bytewise = self._bytewise(target[0])

@@ -1,6 +1,6 @@
 """From the descriptor of a link to its feed.
 
-The loop calls when there is something to read. What is there is taken in portions, so that a flood on one
+The loop calls when there is something to read. Input is taken in portions, so that a flood on one
 link leaves time for the others. A link without a descriptor that the loop can watch (a serial
 port on Windows, any link under a proactor loop) is looked at by a timer instead.
 """

@@ -40,7 +40,7 @@ class Stream:
 class Newest:
     """The newest message of a type, whenever there is a newer one than the last time.
 
-    What arrived while the consumer was busy is passed over. It ends as a `Stream` does.
+    Older messages that arrived while the consumer was busy are passed over. It ends as a `Stream` does.
     """
 
     def __init__(self, reader: Reader | LogReader, latest: Callable[[], Any]) -> None:

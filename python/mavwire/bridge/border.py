@@ -103,7 +103,7 @@ def automation_from(options: Mapping[str, Any]) -> Automation:
 
 
 def signing_key(options: Mapping[str, Any]) -> bytes | None:
-    """The signing key: 32 bytes, or 64 hexadecimal digits. What is wrong is told without it."""
+    """The signing key: 32 bytes, or 64 hexadecimal digits. Error texts do not show it."""
     key, path = options.get("signing_key"), options.get("signing_key_file")
     name = "signing_key"
     if path is not None:

@@ -50,13 +50,13 @@ class _Section:
     name: str
     where: str
     entries: dict[str, tuple[str, str]] = field(default_factory=dict)
-    """Key, as it is in `_KEYS` -> value, and where it stands."""
+    """Key, spelled as in `_KEYS` -> value, and its place in the file."""
 
     def get(self, key: str) -> str | None:
         return self.entries[key][0] if key in self.entries else None
 
     def place(self, key: str) -> str:
-        """Where a key stands, or else its section."""
+        """The place of a key, or else of its section."""
         return self.entries[key][1] if key in self.entries else self.where
 
     def need(self, key: str) -> str:
@@ -66,7 +66,7 @@ class _Section:
         return value
 
     def read(self, key: str, default: Any, convert: Callable[[str, str], Any]) -> Any:
-        """A value, converted; the error says on which line it stands."""
+        """A value, converted; the error names the line of the file."""
         if key not in self.entries:
             return default
         value, where = self.entries[key]

@@ -219,7 +219,7 @@ def open_sink(
 
 
 def _split(text: str) -> tuple[SplitResult, int | None, str]:
-    """An address, its port and the prefix that it names. What is wrong is told without it: it may have a password."""
+    """An address, its port and the prefix that it names. Error texts do not show it: it may have a password."""
     try:
         url = urlsplit(text)
         port, prefix = url.port, unquote(url.path, errors="strict").strip("/") or DEFAULT_PREFIX

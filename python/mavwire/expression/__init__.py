@@ -6,7 +6,7 @@ parsed once, every construct is checked against a whitelist, and the tree is tur
 closures that are kept for the next evaluation. A refused construct raises
 :class:`ExpressionError`, which names it and its column.
 
-What an expression may hold: literals, tuples, lists, sets and dicts; the names of the messages
+An expression may hold: literals, tuples, lists, sets and dicts; the names of the messages
 and of the functions of ``math``, ``mavextra`` and the harmless builtins; attributes, items and
 slices; arithmetic, comparison, ``and``/``or``/``not``, ``a if b else c``; calls of those functions
 and of a few methods that only read; comprehensions. Names and attributes that start with ``_``

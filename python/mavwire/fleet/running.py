@@ -1,7 +1,7 @@
 """`convert` and `to_parquet`: a fleet of logs to files.
 
-The client hands out tasks and keeps the manifest; workers read logs and write files. What the
-manifest has is not done again.
+The client hands out tasks and keeps the manifest; workers read logs and write files. A task that is
+in the manifest is not done again.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def convert(
     many. The other arguments, and what is returned, are those of `mavwire.logs.conversion.convert`.
 
     Small logs are done together and large ones in parts of at least `task_bytes`, which give exactly
-    the rows of the whole. A log that is missing or cannot be read is a row with an `error`. What a
-    worker that dies had under way is done by another one; nothing is there twice. A run that is
+    the rows of the whole. A log that is missing or cannot be read is a row with an `error`. The tasks of a
+    worker that dies are done by another one; nothing is there twice. A run that is
     interrupted goes on where it stopped when it is started again. ImportError where Dask is not
     installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense,
     and while another run writes to the folder `out`.

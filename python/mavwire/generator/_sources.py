@@ -1,4 +1,4 @@
-"""A set of definition files as XML text that stands alone, for a generated module to carry.
+"""A complete set of definition files as XML text, for a generated module to carry.
 
 The text has no comments and no elements that definitions do not know, and includes are by unique base
 name. Everything else is as the user wrote it, descriptions included. The core reads this text

@@ -64,7 +64,7 @@ def generate(basename: str | os.PathLike[str], xml: list[MAVXML]) -> None:
 
 
 def module_text(name: str, wire_protocol: str, sources: dict[str, str], main: str) -> str:
-    """The module's source code. Everything that comes from outside stands in it as a string
+    """The module's source code. Everything that comes from outside is in it as a string
     literal.
     """
     return _MODULE.format(

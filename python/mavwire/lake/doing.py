@@ -77,7 +77,7 @@ class Made:
 
 
 def do_part(tasks: list[Task], recipe: Recipe) -> Made:
-    """Read the logs and write files into a new folder. What goes wrong with a log is in its row."""
+    """Read the logs and write files into a new folder. An error of a log is in its row."""
     made = Made(tempfile.mkdtemp(prefix="part-", dir=recipe.staging))
     shared = Gatherer(made.folder)
     native = native_dialect(recipe.dialect)[1]

@@ -41,9 +41,9 @@ class LogFile:
     def __init__(self, link: mavlogfile, file: Any) -> None:
         self._link = link
         self._file = file
-        # Where the frame stands that `read_frame` began to read.
+        # The place of the frame that `read_frame` began to read.
         self._frame = range(0)
-        # Where bytes stand that are no record, as far as they were looked through.
+        # The place of bytes that belong to no record, as far as they were looked through.
         self._junk = range(0)
         # They go to the end of the file, where a record may begin whose rest is still to be written.
         self._is_last = False
@@ -81,7 +81,7 @@ class LogFile:
     def read_frame(self, size: int | None = None) -> bytes:
         """Up to `size` bytes of the frame in the record at the position, or of its rest.
 
-        Where no record begins, of what stands in front of the next one. Empty at the end of the
+        Where no record begins, of the bytes up to the next one. Empty at the end of the
         file.
         """
         here = self.tell()
@@ -135,7 +135,7 @@ class LogFile:
 
 def frame_end(data: bytes, start: int) -> int:
     """Where the frame at `start` ends, 0 if none begins there or something else than a record
-    follows it. What is not there any more counts for a record.
+    follows it. Bytes that are not there any more count as a record.
     """
     length = frame_length(data[start:])
     following = start + length + STAMP_LEN

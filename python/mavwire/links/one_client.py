@@ -1,7 +1,7 @@
 """Servers for one client at a time: who holds the place, and when somebody else gets it.
 
 A client that hangs, or that never was a MAVLink program, would otherwise shut out all others for as
-long as its connection stands. One that only listens may stay as long as nobody else waits.
+long as its connection lasts. One that only listens may stay as long as nobody else waits.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Signing timestamps that survive a restart, also with a wrong clock.
 
 A file holds two slots; the one with the smaller timestamp is overwritten and the larger one read, so
-that a write which was cut short loses nothing. What is stored lies ahead of what is in use, so that
+that a write which was cut short loses nothing. The stored timestamp is ahead of the one in use, so that
 writing now and then is enough (MAVLink guide, Message Signing: at least once a minute).
 """
 

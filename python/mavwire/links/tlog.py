@@ -1,7 +1,7 @@
 """Telemetry logs read and written record by record: `mavlogfile`.
 
 A record is an 8-byte big-endian time in microseconds since 1970, whose low two bits are a link
-number, and one frame. What is broken, cut off or not a log at all comes out as BAD_DATA or not at
+number, and one frame. Damaged bytes, cut records or no log at all come out as BAD_DATA or not at
 all; a file that is still growing is followed without losing the record that was half written.
 """
 
@@ -81,8 +81,8 @@ class mavlogfile(LogLink, mavfile):
         """Up to `n` bytes of the log; empty at its end.
 
         A program that parses by itself gets one record at a time and no time stamp: so this is no
-        noise between the frames, and a message has the time of its own record. What `recv_msg` asks
-        for, just as much as the parser waits for, is read as it stands.
+        noise between the frames, and a message has the time of its own record. A read by `recv_msg`, of
+        just as much as the parser waits for, gives the bytes of the file unchanged.
         """
         file = self.f
         if n == self.mav.bytes_needed() or not self._stamped or not isinstance(file, LogFile):

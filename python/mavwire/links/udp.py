@@ -148,7 +148,7 @@ class mavudp(DatagramLink):
         return data
 
     def _holds_trusted(self, data: bytes) -> bool:
-        """Whether `data` has a message that may say who is there. What reads with `recv` need not parse
+        """Whether `data` has a message that may say who is there. A caller of `recv` need not parse
         with this link, or at all. Looking leaves `mav` as it was: with a key a message is good once.
         """
         mav: Any = self.mav

@@ -25,7 +25,7 @@ from .table import Table
 class DataflashLog(Log):
     """A dataflash log. Iterating gives its messages (`DFMessage`) in the order of the file.
 
-    Each pass opens the file anew. What the log says about itself is read when it is first needed, and
+    Each pass opens the file anew. The log's description of itself is read when it is first needed, and
     again when the file has changed. Raises FileNotFoundError and its kin, LogFormatError for a file
     that holds something else.
     """

@@ -99,7 +99,7 @@ def diff(var: float, key: Any) -> float:
 
 
 def _slope(var: float, key: Any, tusec: float | None, change: Callable[..., float]) -> float:
-    """The change per second since the last call; repeated while the time stands still."""
+    """The change per second since the last call; repeated while the time does not advance."""
     now = tusec * 1.0e-6 if tusec is not None else state.current_link().timestamp
     if key not in state.last_delta:
         state.remember(state.last_delta, key, (var, now, 0))

@@ -74,7 +74,7 @@ def gpx(track: Track) -> Iterator[str]:
 
 
 def _text(text: str) -> str:
-    """A text for XML. What it does not have becomes U+FFFD."""
+    """A text for XML. Characters that XML does not have become U+FFFD."""
     return escape(_FORBIDDEN.sub("\ufffd", text))
 
 

@@ -1,6 +1,6 @@
 """Charts and maps as pages that hold everything they need and load nothing.
 
-What comes from a log reaches a page as data, never as markup or code.
+Content of a log reaches a page as data, never as markup or code.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ style-src 'unsafe-inline'">
 def page(title: str, help: str, data: dict[str, Any], script: str) -> bytes:
     """A page around one canvas, drawn by an asset of this package."""
     assets = files(__package__) / "_assets"
-    # `<` would end the element that the data stands in.
+    # `<` would end the element around the data.
     text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
     scripts = [(assets / name).read_text("utf-8") for name in ("common.js", script)]
     return _PAGE.format(

@@ -2,8 +2,8 @@
 
 ``MAVWIRE_SHADOW=pymavlink`` in the environment changes the ``MAVLink`` class of every built-in
 dialect. It passes all data also to the installed pymavlink, and raises :class:`ShadowMismatch` at
-the first answer that differs. Programs need no change. What differs on purpose
-(docs/compatibility.md) is not reported. Without the variable nothing of this is imported.
+the first answer that differs. Programs need no change. Intended differences
+(docs/compatibility.md) are not reported. Without the variable nothing of this is imported.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The `MAVLink` class of a dialect module in shadow mode.
 
-It takes the module's own class as base and stands in its place, also for the native core: parsing
+It takes the module's own class as base and replaces it, also for the native core: parsing
 and sending go the very ways they go without a shadow. Comparing stops where a program replaces the
 methods it is about, since then it is the program that answers.
 """

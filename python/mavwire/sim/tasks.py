@@ -75,7 +75,7 @@ class Goto(Task):
 
 
 class Takeoff(_AtPlace):
-    """Climbs to a height above the point where it stands."""
+    """Climbs to a height above its present place."""
 
     landed_state = TAKING_OFF
 

@@ -141,7 +141,7 @@ class Vehicle:
 
     @property
     def landed(self) -> bool:
-        """Whether it stands on the ground."""
+        """Whether it is on the ground."""
         return self.copter.landed
 
     @property

@@ -109,7 +109,7 @@ impl<W: Write + Send> Sink<W> {
             Format::Csv | Format::SafeCsv => {
                 let safe = format == Format::SafeCsv;
                 let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema, safe));
-                // The header stands there even if no row follows.
+                // Write the header now: a table without rows has one, too.
                 write_lines(&mut out, &RecordBatch::new_empty(Arc::clone(&flat)), true)?;
                 Writer::Csv(Box::new(out), flat, safe)
             }

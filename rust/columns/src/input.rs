@@ -61,7 +61,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     })
 }
 
-/// As much of the start of a log as tells its kind. What was read before an error is given in its place.
+/// As much of the start of a log as tells its kind. On an error, the bytes read before it, if any.
 fn head_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     let mut head = Vec::with_capacity(kind::WINDOW);
     let read = source.by_ref().take(kind::WINDOW as u64).read_to_end(&mut head);

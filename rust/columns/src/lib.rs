@@ -2,9 +2,9 @@
 //! and MCAP files.
 //!
 //! A log is read in blocks of bounded size ([`input`]). Each is searched for records on all processors ([`scan`]), with
-//! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records are then laid side by
-//! side by message type, and appended to its table ([`table`]), a gather for each field. What a column is called and what type and
-//! metadata it has stands in [`layout`]. [`reader`] puts all that together; [`summary`] counts instead.
+//! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records are then laid
+//! side by side by message type, and appended to its table ([`table`]), a gather for each field. [`layout`] has the
+//! name, type and metadata of each column. [`reader`] puts all that together; [`summary`] counts instead.
 //!
 //! Nothing here opens a file: logs are `Read`, outputs `Write`. [`dataflash`] reads the logs that ArduPilot writes on board.
 

@@ -95,8 +95,8 @@ struct Span {
 }
 
 impl RowBlock {
-    /// Replaces the content. `strides` are the bytes of a row by table; `fill` makes a row of a record. What it does not
-    /// write is left from earlier rows.
+    /// Replaces the content. `strides` are the bytes of a row by table; `fill` makes a row of a record. Bytes that it
+    /// does not write are left from earlier rows.
     pub(crate) fn sort(
         &mut self,
         chosen: impl Iterator<Item = Chosen>,

@@ -41,7 +41,7 @@ pub fn payload_extended<'a>(payload: &'a [u8], max_len: u8, space: &'a mut [u8; 
     &space[..max_len]
 }
 
-/// The number of a type that stands at `offset`.
+/// Reads a number of this type at `offset`.
 #[inline]
 pub fn number(field_type: FieldType, payload: &[u8], offset: usize) -> Number {
     use Number::{Float, Signed, Unsigned};

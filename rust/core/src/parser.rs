@@ -201,8 +201,8 @@ impl Parser {
         self.expected_length = header_len(stx) + CHECKSUM_LEN;
     }
 
-    /// Takes the good frame of a known message off the front, if that is what stands there: the index of its message, its
-    /// length, and the bytes from its start on.
+    /// Takes the good frame of a known message off the front, if there is one: the index of its message, its length,
+    /// and the bytes from its start on.
     #[inline]
     pub fn take_good(&mut self, registry: &Registry) -> Option<(u16, usize, &[u8])> {
         // Noise starts no good frame.

@@ -2,7 +2,7 @@
 //!
 //! The rules, in the order they are asked:
 //!
-//! 1. What the source link's inbound filter stops, and a duplicate, counts as never received.
+//! 1. Frames that the source link's inbound filter stops, and duplicates, count as never received.
 //! 2. `SETUP_SIGNING` carries a key in clear and is not forwarded (R53).
 //! 3. The sender is now known at the source link, and at all links of its group. A duplicate only renews known routes.
 //! 4. A frame without a target, or of an unknown id, goes to every link that is not private. A frame with one goes to
@@ -127,7 +127,7 @@ struct Port {
     stats: LinkStats,
 }
 
-/// Where in a payload the target stands; [`NONE`] for nowhere.
+/// The offsets of the target in a payload; [`NONE`] for a message without one.
 #[derive(Debug, Clone, Copy)]
 struct TargetOffsets {
     system: u8,

@@ -1,7 +1,7 @@
 //! Finding frames in a stream of bytes: slice in, outcome out.
 //!
-//! The scanner looks at the front of the unread bytes and says what stands there. What to do after a frame that turned
-//! out wrong is a policy ([`Resync`]), because the protocol does not say:
+//! The scanner looks at the front of the unread bytes and names the item there. A policy decides where to go on after a
+//! frame that turned out wrong ([`Resync`]), because the protocol does not say:
 //!
 //! * `Skip` drops the whole length that the bad frame claimed. One stray STX can swallow good frames, but the outcome is
 //!   byte for byte pymavlink's.
@@ -152,7 +152,7 @@ impl Scanner {
         }
     }
 
-    /// The good frame of a known message at the front, if that is what stands there: its length and definition.
+    /// The good frame of a known message at the front, if there is one: its length and definition.
     ///
     /// That is nearly always so, and asking for this alone is cheaper than [`Scanner::next`], which has to be asked next
     /// where the answer is no.
@@ -276,7 +276,7 @@ impl Scanner {
         }
     }
 
-    /// Judges the candidate at `unread[at..]`; `None` where no STX stands there.
+    /// Judges the candidate at `unread[at..]`; `None` if the byte there is not an STX.
     #[inline]
     fn judge(
         &mut self,

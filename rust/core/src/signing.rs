@@ -5,8 +5,8 @@
 //! timestamp is looked at, then the digest, and only a good digest changes anything, so that someone without the key can
 //! neither block a genuine stream nor open the replay window of a new one.
 //!
-//! The clock is an argument (`now`, in signing units; `None` where there is none). What to do with frames that are not
-//! genuine is the caller's policy, and the [`Verdict`] says enough to apply and to log it.
+//! The clock is an argument (`now`, in signing units; `None` where there is none). The caller decides about frames that
+//! are not genuine, and the [`Verdict`] says enough to apply and to log its policy.
 
 mod key;
 mod rules;
@@ -105,8 +105,9 @@ impl SigningState {
         self.judge(streams, None, frame, now)
     }
 
-    /// Judges a frame for somebody who only wants to know who sent it, by the same rules: `seen` takes note of it, and
-    /// who receives the frame later finds all as it was. What is old to the `streams` of received frames is old here.
+    /// Judges a frame for a caller that only needs to know its sender, by the same rules. `seen` takes note of it;
+    /// [`SigningState::check`] later judges it as if nobody had looked. A frame that is old to `streams`, those of
+    /// received frames, is old here.
     pub fn look(
         &mut self,
         seen: &mut Sightings,

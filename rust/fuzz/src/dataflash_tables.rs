@@ -74,7 +74,7 @@ pub(crate) fn in_any_steps(
     let survey = survey?;
     let (found, bad) = on_threads(true, || tables_of(&survey, &bytes, &options, Limits::NONE));
     let stepped = on_threads(false, || surveyed(steps, &bytes));
-    // The first block alone may not show what kind of log it is, or what stands between values.
+    // The first block alone may not show the kind of the log, or the separator of its values.
     if let Some(stepped) = stepped.filter(|stepped| same_form(&stepped.form, &survey.form)) {
         same_survey(&stepped, &survey);
         let tables = on_threads(false, || tables_of(&stepped, &bytes, &options, limits));

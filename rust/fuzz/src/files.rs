@@ -1,4 +1,4 @@
-//! Any bytes as a file, through the readers that keep a window on it: where the window stands changes nothing.
+//! Any bytes as a file, through the readers that keep a window on it: the position of the window changes nothing.
 
 use std::fs::{self, File};
 use std::io;
@@ -49,7 +49,7 @@ thread_local! {
     static FILE: Temporary = Temporary::new().expect("a temporary file");
 }
 
-/// Each reader comes to the end of the file by windows of any size, and finds what stands in its bytes.
+/// Each reader comes to the end of the file by windows of any size, and finds the records that are in its bytes.
 pub fn log_files(data: &[u8]) {
     let mut input = Input::new(data);
     let chunk = usize::from(input.byte()) * 4 + 1;

@@ -74,8 +74,8 @@ fn repaired(steps: Steps, bytes: &[u8], framing: Framing) {
     assert_eq!((outcome.bytes, outcome.bad_bytes), (bytes.len() as u64, bad));
     let count = records.len() as u64;
     assert_eq!((outcome.records, outcome.written), (count, count));
-    // Repaired again it is the same. What to think of an unknown message depends on what is around it, and where one is
-    // not believed any more, the time behind it may not be either.
+    // A second repair changes nothing. But whether an unknown message is believed depends on its neighbours. Where one
+    // is not believed any more, the time behind it may not be either.
     let again = one_by_one(&out, framing).0;
     if records.iter().all(|record| record.index.is_some()) {
         assert_eq!(written(again.iter(), framing), out);

@@ -146,8 +146,8 @@ impl Waker {
         Ok(())
     }
 
-    /// Wakes the loop at once if the system lets it. What fails is no loss: of a full pipe, as the loop is about to wake
-    /// anyway, and of any other cause, as it obeys at each tick too, only later.
+    /// Wakes the loop at once if the system lets it. Failing is no loss: with a full pipe the loop is about to wake
+    /// anyway, and otherwise it obeys at its next tick.
     fn wake(&self) {
         let _ = (&*self.signal).write_all(&[0]);
     }

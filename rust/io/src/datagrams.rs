@@ -1,7 +1,8 @@
 //! Receiving datagrams many at a time.
 //!
 //! A call of the operating system costs as much as everything else about a small datagram, so one call takes all that the
-//! socket holds, up to a limit. What is not parsed yet waits in an [`Inbox`], which is filled only when it is empty: the
+//! socket holds, up to a limit. Datagrams not parsed yet wait in an [`Inbox`], which is filled only when it is empty:
+//! the
 //! backlog of a slow consumer stays in the socket, where the system bounds it.
 
 #[cfg(unix)]

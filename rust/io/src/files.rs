@@ -98,7 +98,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// Begins the file that is to be at `path`, with the folders it stands in.
+    /// Begins the file that is to be at `path`, with the folders on the way to it.
     ///
     /// # Errors
     /// Errors of the operating system.

@@ -80,7 +80,7 @@ impl Peers {
         self.known.get(self.current).map(|peer| peer.address)
     }
 
-    /// Where a peer stands in the table, which is nearly always the current one.
+    /// The index of a peer in the table, which is nearly always the current one.
     #[inline]
     fn place(&self, address: Address) -> Option<usize> {
         if self.known.get(self.current).is_some_and(|peer| peer.address == address) {

@@ -1,8 +1,8 @@
 //! `mavwire._native`: the core as Python classes.
 //!
-//! The only crate that knows PyO3. It translates: bytes and errors in, objects and exceptions out; what MAVLink is stands
-//! in `mavwire-core` and `mavwire-schema`. Public Python classes derive from the ones here, see
-//! `python/mavwire/dialects/_classes.py`.
+//! The only crate that knows PyO3. It translates bytes and errors on the way in, objects and exceptions on the way out.
+//! The rules of MAVLink are in `mavwire-core` and `mavwire-schema`. Public Python classes derive from the ones here,
+//! see `python/mavwire/dialects/_classes.py`.
 
 use pyo3::prelude::*;
 

@@ -98,7 +98,7 @@ pub(crate) fn is_known(tag: &str) -> bool {
 struct Shape {
     tag: &'static str,
     attributes: Vec<(&'static str, bool, &'static str)>,
-    /// Tags of which one stands here, the least and the greatest number.
+    /// Groups of alternative tags, each with the least and the greatest number of children.
     children: Vec<(&'static str, usize, usize)>,
     text: Option<&'static str>,
 }

@@ -58,7 +58,7 @@ class Json:
         self._events = args.event_definitions
 
     def line(self, msg: Any, text: bytes | None = None) -> str:
-        """The message without a newline; `text` stands in the place of a part of it."""
+        """The message without a newline; `text` replaces a part of it."""
         meta: dict[str, Any] = {"type": msg.get_type(), "timestamp": msg._timestamp}
         if self._show_source:
             meta["srcSystem"] = msg.get_srcSystem()

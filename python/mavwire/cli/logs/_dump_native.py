@@ -75,7 +75,7 @@ def dump(
     write: Callable[[bytes], Any],
     record: Callable[[bytes], Any] | None,
 ) -> None:
-    """Dump a log that fits, from where it stands to its end."""
+    """Dump a log that fits, from its position to its end."""
     from mavwire._native import dump_log
 
     def wanted(kind: str) -> bool:

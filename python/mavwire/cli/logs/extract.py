@@ -111,7 +111,7 @@ class Extraction:
         return kind == "HEARTBEAT" and msg.type != MAV_TYPE_GCS
 
     def _record(self, msg: Any) -> bytes:
-        """A message as it stands in a log."""
+        """The record of a message in a log."""
         return record(msg)
 
     def _write(self) -> None:

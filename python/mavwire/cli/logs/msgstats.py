@@ -13,7 +13,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import Reading, read_each
 from mavwire.cli._shared_arguments import add_shared
 
-# Group -> patterns of its types. What belongs to none is counted as OTHER.
+# Group -> patterns of its types. Types of no group are counted as OTHER.
 GROUPS = {
     "EKF2": "NK*",
     "EKF3": "XK*",

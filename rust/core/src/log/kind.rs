@@ -30,7 +30,7 @@ const TIME_START: u8 = 0;
 const STARTING_RECORDS: usize = 3;
 /// Whole frames at the start of a raw stream of any messages that identify it.
 const STARTING_FRAMES: usize = 4;
-/// Bytes of a text log among which a description stands.
+/// Bytes at the start of a text log that contain a FMT line.
 const TEXT_START: usize = 8000;
 /// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
 /// a text log in any case.

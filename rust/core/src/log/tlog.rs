@@ -1,7 +1,7 @@
 //! Telemetry logs: per frame eight bytes of big-endian microseconds since 1970, then the frame as it was on the wire.
 //!
-//! [`RecordScanner`] checks checksums and finds every good frame of a damaged log in linear time, with the time stamp that
-//! stands in front of it. [`find_runs`] looks at any stretch of a log by itself, so that many can do so side by side, for a
+//! [`RecordScanner`] checks checksums and finds every good frame of a damaged log in linear time, with the time stamp
+//! in front of it. [`find_runs`] looks at any stretch of a log by itself, so that many can do so side by side, for a
 //! [`RecordScanner`] to put together. [`recordable`] is for writers.
 
 mod ahead;

@@ -6,7 +6,7 @@ use crate::frame::MAX_FRAME_LEN;
 use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, encode, header, noise, registry};
 use mavwire_schema::WireVersion::{V1, V2};
 
-/// Frames and junk runs of a whole input; `None` stands for junk, neighbouring junk is merged.
+/// Frames and junk runs of a whole input; the key of junk is `None`, neighbouring junk is merged.
 type Pieces = Vec<(Option<u32>, Vec<u8>)>;
 
 fn add(pieces: &mut Pieces, msgid: Option<u32>, bytes: &[u8]) {

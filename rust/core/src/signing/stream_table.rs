@@ -48,7 +48,7 @@ impl StreamTable {
         Self { streams: Vec::new(), capacity: capacity.max(1), heard: 0, floors: Vec::new() }
     }
 
-    /// Where a stream stands, or else where it would.
+    /// The index of a stream, or else the index to insert it at.
     #[inline]
     pub(super) fn find(&self, id: StreamId) -> Result<usize, usize> {
         // As one number, which is one comparison.

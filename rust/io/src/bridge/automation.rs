@@ -20,7 +20,7 @@ const TYPE: u8 = 18;
 const AUTOPILOT: u8 = 8;
 const ACTIVE: u8 = 4;
 const MAVLINK_VERSION: u8 = 3;
-/// Where `autopilot` stands in the payload of `HEARTBEAT`.
+/// The offset of `autopilot` in the payload of `HEARTBEAT`.
 const AUTOPILOT_AT: usize = 5;
 /// `MAV_AUTOPILOT_ARDUPILOTMEGA`, which sends streams that are asked for.
 const ARDUPILOT: u8 = 3;

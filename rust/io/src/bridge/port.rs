@@ -168,8 +168,8 @@ impl Port {
     /// Sends queued frames as far as possible without waiting. `clock` tells the time in microseconds.
     ///
     /// # Errors
-    /// A stream is broken, or there is no way for the datagrams of a socket that has a peer. What else goes wrong with
-    /// datagrams is counted.
+    /// A stream is broken, or there is no way for the datagrams of a socket that has a peer. Other errors of datagrams
+    /// are counted.
     pub(super) fn flush(&mut self, clock: impl Fn() -> u32) -> io::Result<()> {
         match &mut self.wire {
             Wire::Stream(stream) => {

@@ -28,7 +28,7 @@ impl Waiting {
         self.frames.infos.len() - self.taken
     }
 
-    /// Takes out the first frames. What is taken stays in memory until it is the greater part, so that a long queue is
+    /// Takes out the first frames. Taken frames stay in memory until they are the greater part, so that a long queue is
     /// not moved for every batch.
     fn take_front(&mut self, count: usize) -> Frames {
         let end = self.taken + count.min(self.len());

@@ -93,7 +93,7 @@ struct Dump<'a, 'py> {
     gil_yield: GilYield,
 }
 
-/// Dumps a log from where it stands to its end. `options` has the attributes of `mavwire.cli.logs._dump_native.Options`.
+/// Dumps a log from its position to its end. `options` has the attributes of `mavwire.cli.logs._dump_native.Options`.
 ///
 /// # Errors
 /// Where reading or a callback fails; what was read before is written first. `RuntimeError` if the log is not open, or

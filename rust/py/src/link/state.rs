@@ -1,6 +1,6 @@
 //! `Link`: the part of a mavfile's state that every message changes. `mavutil.mavfile` derives from it.
 //!
-//! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
+//! One lock guards all of it and is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
 use mavwire_core::telemetry::{Reception, Room};

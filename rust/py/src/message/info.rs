@@ -30,7 +30,7 @@ impl FieldNames {
     }
 }
 
-/// Where a field stands in the payload: what is asked for most, close together.
+/// The place of a field in the payload. The values that are read most are close together in memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     pub(crate) field_type: FieldType,

@@ -1,7 +1,7 @@
 //! `StreamWriter`: whole frames to a stream that may take only part of one.
 //!
-//! A frame that was begun is always finished, because half a frame makes the peer drop what follows. What the peer does not
-//! take is queued up to a bound; beyond it, whole frames are dropped and counted.
+//! A frame that was begun is always finished, because half a frame makes the peer drop the next ones. Bytes that the
+//! peer does not take are queued up to a bound; beyond it, whole frames are dropped and counted.
 
 use std::sync::atomic::AtomicU64;
 
@@ -40,8 +40,8 @@ pub(crate) struct StreamWriter {
 }
 
 impl StreamWriter {
-    /// Forgets, in a forked process, what a thread was sending that did not come along: that one finishes it where it
-    /// runs. What merely waits may be finished by this process, if the connection is its.
+    /// Forgets, in a forked process, the bytes that a thread of the parent was sending: the parent finishes those. This
+    /// process may finish the bytes that merely wait, if the connection is its.
     #[inline]
     fn follow_fork(&self, py: Python<'_>) {
         if self.sending.free_after_fork() {

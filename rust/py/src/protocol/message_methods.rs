@@ -31,7 +31,7 @@ impl Message {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        // Once everything stands in the dictionary, what is missing there is gone.
+        // This fills the dictionary with all attributes. One that is missing there has been deleted.
         let attributes = dict::message_dict(slf)?;
         if attributes.contains(name)? {
             return attributes.del_item(name);

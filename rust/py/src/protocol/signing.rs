@@ -81,7 +81,7 @@ impl Signing {
         self.with_streams(|streams| self.state().check_in(&mut streams.received, frame, now))
     }
 
-    /// Whether a frame is genuine, and neither received nor looked at before. Who receives it later finds all as it was.
+    /// Whether a frame is genuine, and neither received nor looked at before. Receiving it later is not affected.
     pub(crate) fn look(&self, frame: &FrameRef<'_>) -> bool {
         let now = self.clock();
         let verdict = self.with_streams(|streams| {

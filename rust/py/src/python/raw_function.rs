@@ -50,7 +50,7 @@ impl<'a, 'py> Arguments<'a, 'py> {
     }
 }
 
-/// Calls `body` with the arguments; its errors and panics become exceptions. What is returned is `None`.
+/// Calls `body` with the arguments; its errors and panics become exceptions. It returns `None`.
 ///
 /// # Safety
 /// Must be called by a [`Function`] with its own arguments.

@@ -20,8 +20,7 @@ pub const MAX_DEFINITIONS: usize = 256 * MAX_FOR_TYPE;
 const NONE: u16 = u16::MAX;
 const SEVERAL: u16 = u16::MAX - 1;
 
-/// The layout of a type that has one. The length stands here, too: where the next record begins depends on it, and
-/// each step on the way to it is waited for.
+/// The layout of a type that has one. The length is copied here: each step to the next record waits for it.
 #[derive(Debug, Clone, Copy)]
 struct Only {
     /// Its index, [`NONE`] or [`SEVERAL`].

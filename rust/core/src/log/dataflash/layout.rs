@@ -23,7 +23,7 @@ pub struct Field {
     pub name: String,
     /// How it is stored.
     pub kind: FieldKind,
-    /// Where it stands in the record's body.
+    /// Its offset in the record's body.
     pub offset: u8,
 }
 

@@ -128,8 +128,8 @@ fn junk(bytes: &[u8], offset: u64, definitions: &Definitions, last: bool) -> Fou
 /// Passes over records of layouts that are not `wanted`, `most` of them at most; returns how many bytes that makes, and how
 /// many records.
 ///
-/// It stops in front of what is wanted, of what is no record, and of the last [`LOOK_LEN`] bytes: for [`look`] to say what
-/// stands there.
+/// It stops in front of a wanted record, of bytes that are not a record, and of the last [`LOOK_LEN`] bytes: [`look`]
+/// judges those.
 #[inline]
 pub fn pass(
     bytes: &[u8],

@@ -184,7 +184,7 @@ impl TextDefinitions {
         new
     }
 
-    /// Takes in a line that stands at `offset`, if it is a FMT line.
+    /// Takes in the line at `offset`, if it is a FMT line.
     pub fn collect(&mut self, line: &[u8], offset: u64) {
         if line.starts_with(b"FMT,")
             && let Ok(layout) = layout(&decode_line(trimmed(line)), self.delimiter)

@@ -1,8 +1,8 @@
 //! Binary logs that lack their first bytes, and with them what describes their records.
 //!
-//! Nothing can be read of them, but they are no telemetry logs: some megabytes of any bytes have a telemetry record or two
-//! by chance. What tells them is that records of a type are all of one length, so that from a head to the next one it is as
-//! far as it was the last time.
+//! Nothing can be read of them, but they are no telemetry logs: some megabytes of any bytes have a telemetry record or
+//! two by chance. They are recognised by the distance between records: all records of a type have one length, so the
+//! distance from one head to the next repeats.
 
 use std::mem;
 

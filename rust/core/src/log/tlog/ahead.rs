@@ -1,7 +1,7 @@
 //! Records of a log that are checked ahead of being asked for.
 //!
 //! Entering and leaving reader, scanner and checksum for each record costs as much as their work; a loop over a few
-//! hundred records does not pay it. What the loop finds is good as long as reading goes on where it expects.
+//! hundred records does not pay it. Its records are valid as long as reading goes on where it expects.
 
 use std::sync::Arc;
 

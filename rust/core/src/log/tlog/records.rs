@@ -35,7 +35,7 @@ pub enum FoundRecord {
     },
 }
 
-/// Where the frame scanner stands.
+/// The position of the frame scanner.
 #[derive(Debug, Clone, Copy)]
 enum Ahead {
     /// At the front, where a stamp should start.
@@ -146,7 +146,7 @@ impl RecordScanner {
         FoundRecord::Record { len: self.lead + len, stamp, header, entry }
     }
 
-    /// No frame stands behind the front's stamp yet, or ever.
+    /// Handles a stamp without a frame behind it, yet or for ever.
     fn without_frame(&mut self, unread: &[u8], needed: usize, at_end: bool) -> FoundRecord {
         if at_end && !unread.is_empty() {
             self.ahead = Ahead::AtFront;
