@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 else:
 
     class _NumPyOnFirstUse:
-        """Stands in for the module, so that importing this one stays cheap."""
+        """A proxy of the module, so that importing this one stays cheap."""
 
         def __getattr__(self, name: str) -> Any:
             import numpy

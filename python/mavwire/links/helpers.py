@@ -44,7 +44,7 @@ class periodic_event:
 
 
 class FakeSerial:
-    """Stands in for a serial port that could not be opened yet."""
+    """A placeholder for a serial port that could not be opened yet."""
 
     def read(self, len: int) -> str:
         return ""

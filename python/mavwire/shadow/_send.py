@@ -13,7 +13,7 @@ from mavwire.shadow._twin import IFLAG_SIGNED, SIGNATURE_LEN, Counterpart
 
 
 class Tap:
-    """Stands between a `MAVLink` and its file, and looks at the frames that pass."""
+    """A filter between a `MAVLink` and its file, which looks at the frames that pass."""
 
     def __init__(self, target: Any) -> None:
         self.target = target

@@ -142,7 +142,7 @@ pub struct FieldDef {
     pub array_length: u8,
     /// Declared `uint8_t_mavlink_version`.
     pub is_mavlink_version: bool,
-    /// Stands after `<extensions/>`.
+    /// Declared after `<extensions/>`.
     pub is_extension: bool,
     /// `instance="true"`.
     pub is_instance: bool,
