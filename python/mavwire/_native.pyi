@@ -1,8 +1,8 @@
 """The core as Python classes: what `rust/py` exports.
 
 Users meet these through the dialect modules, whose classes derive from the ones here. Bytes are
-given as any bytes-like object or iterable of integers where `_BytesLike` stands, as `bytes` alone
-where that stands. Links and logs are described in `_stubs`, which is there for type checkers alone.
+given as any bytes-like object or iterable of integers where the type is `_BytesLike`, as `bytes`
+alone where that is the type. Links and logs are described in `_stubs`, which is there for type checkers alone.
 """
 
 from collections.abc import Callable, Iterable
@@ -162,7 +162,7 @@ class DefinitionFile:
         """`Definitions` by the rules of `mavparse` and the `Layout` of each message, as JSON."""
 
     def schema_problems(self, strict_units: bool) -> list[str]:
-        """What is wrong by the MAVLink XML schema."""
+        """The file's errors by the MAVLink XML schema."""
 
     def module_problem(self) -> str | None:
         """The first reason why no module can be made of the file."""
@@ -256,13 +256,13 @@ class Dialect:
         """All enums, each with its end marker as the last entry."""
 
     def layout_text(self, types: set[int] | None = None) -> str:
-        """What tables of some messages are made of, or of all; it differs where any of it does."""
+        """A text of the layouts that tables of some or all messages have. Equal texts mean equal layouts."""
 
     def invalid_fields(self, frame: bytes) -> dict[str, list[bool]]:
         """The fields of a frame that have invalid values: for each element, whether it is invalid."""
 
     def descriptions(self, name: str) -> tuple[str, dict[str, str]]:
-        """What the definitions themselves say of a message and its fields, empty for built-in ones.
+        """Descriptions of a message and its fields in the definitions, empty for built-in ones.
 
         KeyError if there is no such message.
         """
@@ -538,7 +538,7 @@ class MAVLink:
     srcComponent: int
     """Component id that frames are sent with."""
     file: Any
-    """What frames are written to: any object with `write(bytes)`."""
+    """The receiver of frames: any object with `write(bytes)`."""
     total_packets_sent: int
     """Frames sent."""
     total_bytes_sent: int
@@ -573,7 +573,7 @@ class MAVLink:
     def robust_parsing(self, value: object) -> None: ...
     @property
     def resync(self) -> Literal["skip", "rescan"]:
-        """What to do after a damaged frame.
+        """The way to go on after a damaged frame.
 
         "skip" drops its whole claimed length, "rescan" looks for frames inside it.
         """

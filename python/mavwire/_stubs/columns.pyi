@@ -47,7 +47,7 @@ class LogColumns:
     def __new__(cls, log: _Log, dialect: Dialect, query: Selection) -> LogColumns: ...
     def __iter__(self) -> LogColumns: ...
     def __next__(self) -> list[tuple[str, RecordBatches]]:
-        """What is ready after another block of the log: message names and tables, perhaps none."""
+        """The tables that are ready after another block of the log, with message names; perhaps none."""
 
     def progress(self) -> tuple[int, int, str | None, dict[tuple[int, int] | None, int]]:
         """Bytes of the log, decompressed, that are dealt with; how many of them belong to no record; the
@@ -194,9 +194,9 @@ class DataflashTables:
     def read(
         log: _Log, query: Selection | None = None
     ) -> tuple[DataflashTables, list[tuple[str, RecordBatches]] | None] | None:
-        """What a log says about itself, with the tables that `query` asks for. None if it is no
-        dataflash log. None in place of the tables if there is no query, or they take another run, by
-        `columns`.
+        """A log's description of itself, with the tables that `query` asks for. None if it is no
+        dataflash log. The tables are None without a query, or if they need another pass over the log,
+        by `columns`.
         """
 
     @property
@@ -217,7 +217,7 @@ class DataflashTables:
         """One run over the log, giving tables."""
 
     def summary(self, gap: int, pulse: Callable[[int], object] | None) -> dict[str, Any]:
-        """What is in the log; `gap` in microseconds. See `mavwire.logs.summary`."""
+        """The summary of the log; `gap` in microseconds. See `mavwire.logs.summary`."""
 
 @final
 class LogRewrite:
@@ -250,7 +250,7 @@ class LogRewrite:
         """
 
     def outcome(self) -> dict[str, Any]:
-        """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
+        """The counts of all logs so far; see `mavwire.logs.rewriting.Rewritten`."""
 
 def write_table(
     table: RecordBatches,
@@ -268,8 +268,8 @@ def folder_of(name: str) -> str:
     """The folder of the table of a type, which names no other folder and no device."""
 
 def draft_stem(name: str) -> str:
-    """What the name of a file begins with until the file is complete: its own name, or one made of
-    it where that is long.
+    """The start of a file's temporary name: its final name, or a hash of it where that name is
+    long.
     """
 
 def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | None:
@@ -311,7 +311,7 @@ class LogKind:
     def __int__(self) -> int: ...
 
 def identify(log: _Log, unpack: bool = False) -> LogKind:
-    """What kind of log a file is; with `unpack`, what is in it if it is compressed."""
+    """The kind of a log; with `unpack`, the kind of a compressed log's content."""
 
 def empty_table(dialect: Dialect, msgid: int, query: Selection) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""
@@ -337,4 +337,4 @@ def log_summary(
     gap: int,
     pulse: Callable[[int], object] | None,
 ) -> dict[str, Any]:
-    """What is in a log; `gap` in microseconds. See `mavwire.logs.summary`."""
+    """The summary of a log; `gap` in microseconds. See `mavwire.logs.summary`."""

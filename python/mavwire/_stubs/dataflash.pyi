@@ -8,7 +8,7 @@ from typing_extensions import disjoint_base
 
 @final
 class DataflashShape:
-    """What a `DFFormat` keeps for its messages: names and fields.
+    """Names and fields that a `DFFormat` keeps for its messages.
 
     Exception for an unknown format character, ValueError for fields that do not fit into a record.
     """

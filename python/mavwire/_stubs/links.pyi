@@ -29,11 +29,11 @@ class SystemState:
 class Link:
     """The part of `mavutil.mavfile`'s state that every message changes.
 
-    A derived class that native code reads has `_quick_methods`, the methods that native code stands for.
+    A derived class that native code reads has `_quick_methods`, the methods that native code replaces.
     """
 
     _QUICK_METHODS: ClassVar[list[str]]
-    """Names of the methods that native code stands for. A program may replace them."""
+    """Names of the methods that native code replaces. A program may replace them, too."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...
@@ -141,7 +141,7 @@ class LiveLink(Link):
     def _raise_read_error(self) -> None:
         """Raises the error with which reading the connection natively ended; the system does not say it again."""
     _writer: StreamWriter
-    """What sends to a stream."""
+    """The writer of a stream link."""
 
     @property
     def _has_unsent(self) -> bool:
@@ -166,7 +166,7 @@ class LiveLink(Link):
         """A datagram that was read ahead, or the rest of one, with its sender."""
 
     def _switch_peer(self, address: Any) -> None:
-        """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
+        """The next bytes come from `address`: bytes of another peer's frame are put aside."""
 
 def replace_function(name: str, value: Any) -> None:
     """Makes links use a replacement of `mavutil.time` or `mavutil.add_message`; None restores the

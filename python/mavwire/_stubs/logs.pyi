@@ -96,7 +96,7 @@ class LogScan:
         """Closes the file; the pass is at its end."""
 
 def dump_log(log: LogLink, options: Any) -> None:
-    """Dumps a log from where it stands to its end, as `options` (of `mavwire dump`) say.
+    """Dumps a log from its position to its end, as `options` (of `mavwire dump`) say.
 
     RuntimeError if the log is not open or cannot be read natively. Where reading or a callback
     fails, what was read before is written first.

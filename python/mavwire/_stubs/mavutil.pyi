@@ -1,5 +1,5 @@
-"""What mavutil gives, as far as a type checker can know it: which dialect is current, and whether
-there is a link or a log behind a name, only the running program tells.
+"""The types of mavutil, as far as a type checker can know them. Only the running program tells which
+dialect is current, and whether there is a link or a log behind a name.
 """
 
 from collections.abc import Iterable
@@ -26,10 +26,10 @@ class CurrentMAVLink(_dialect._Link):
     def __getattr__(self, name: str, /) -> Any: ...
 
 class Connection(mavfile):
-    """What `mavlink_connection` gives: all that links have, and what only some kinds of links and
-    logs have as Any.
+    """The result of `mavlink_connection`: the attributes of all links, and as Any those that only some
+    kinds of links and logs have.
 
-    Who waits without a time limit need not ask for None: that comes at the end of a log alone.
+    A call without a time limit returns None at the end of a log alone: callers need not check for it.
     """
 
     @overload

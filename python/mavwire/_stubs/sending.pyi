@@ -1,4 +1,4 @@
-"""What live links send with."""
+"""Classes that live links send with."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, final
@@ -34,7 +34,7 @@ class StreamWriter:
     def __new__(cls, max_unsent: int = ...) -> StreamWriter: ...
     @property
     def unsent(self) -> bytes:
-        """What waits in the queue (a copy)."""
+        """The bytes that wait in the queue (a copy)."""
 
     @property
     def bytes_sent(self) -> int:

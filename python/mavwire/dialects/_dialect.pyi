@@ -1,4 +1,4 @@
-"""What all dialect modules have in common, for type checkers: there is no such module at run time.
+"""The common part of all dialect modules, for type checkers: there is no such module at run time.
 
 The stubs that `tools/generate_stubs.py` writes import this and add messages and constants. Each
 dialect module makes these classes anew; here they are written once, so that code that is typed for
@@ -166,7 +166,7 @@ class _Writer(Protocol):
     def write(self, buf: bytes, /) -> object: ...
 
 class _Link(_native.MAVLink):
-    """What `MAVLink` of every dialect has; theirs add `<message>_encode` and `<message>_send`."""
+    """The part of `MAVLink` that all dialects share; each adds `<message>_encode` and `<message>_send`."""
 
     file: _Writer | None
     startup_time: float
