@@ -168,8 +168,7 @@ impl Decoder {
     }
 }
 
-/// Fills a row with the sender and the payload of a frame, and with zeros where the payload is shorter than the
-/// message.
+/// Fills a row with the sender and payload of a frame, and zeros where the payload is shorter than the message.
 fn fill(row: &mut [u8], frame: &[u8]) {
     let Some(header) = Header::parse(frame) else { return row.fill(0) };
     (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);

@@ -1,4 +1,4 @@
-//! Whatever the format, an output that cannot be written says why, as the operating system does.
+//! An output of any format that cannot be written fails with the operating system's error.
 
 use std::error::Error;
 use std::io::{self, Write};

@@ -1,4 +1,4 @@
-//! What deciding about a frame costs: no sockets, no scanning, no copies.
+//! The cost of deciding about a frame: no sockets, no scanning, no copies.
 //!
 //! One iteration routes a thousand frames. Each has its own sequence number, so that duplicate suppression has
 //! a new frame to remember each time, as it does on a link.

@@ -1,4 +1,4 @@
-//! What the core costs per frame, beside memcpy of the same bytes and beside a checksum with one table lookup per byte.
+//! The core's cost per frame, beside memcpy of the same bytes and beside a checksum with one table lookup per byte.
 //!
 //! The corpus is a telemetry mix as an autopilot sends it: [`FRAMES`] frames of 37 bytes in the mean, MAVLink 2, trailing
 //! zeros dropped. Times of the first group are for the whole corpus, all others for one frame.

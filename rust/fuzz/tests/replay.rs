@@ -91,7 +91,7 @@ fn the_corpus_is_replayed_with_changes() {
     }
 }
 
-/// What programs there are in the manifest: their names, and where they stand.
+/// The programs in the manifest: their names and paths.
 fn programs() -> Vec<(String, String)> {
     let manifest = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
     let manifest = manifest.expect("the manifest");

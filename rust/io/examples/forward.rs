@@ -1,4 +1,4 @@
-//! What a bridge does for a frame, for counting instructions under callgrind: `forward CASE N` hands about N frames to a
+//! The work of a bridge for a frame, for counting instructions under callgrind: `forward CASE N` hands about N frames to a
 //! bridge and reads them from its other end. `forward` leaves everything out that has to be asked for; `border` adds
 //! signatures and heartbeats. The check of what a program sends is in it, one checksum of each frame.
 

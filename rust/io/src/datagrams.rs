@@ -2,8 +2,7 @@
 //!
 //! A call of the operating system costs as much as everything else about a small datagram, so one call takes all that the
 //! socket holds, up to a limit. Datagrams not parsed yet wait in an [`Inbox`], which is filled only when it is empty:
-//! the
-//! backlog of a slow consumer stays in the socket, where the system bounds it.
+//! the backlog of a slow consumer stays in the socket, where the system bounds it.
 
 #[cfg(unix)]
 use std::cell::RefCell;

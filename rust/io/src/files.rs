@@ -110,8 +110,7 @@ impl Draft {
         };
         let (file, name, made) = naming(path, begun)?;
         if let Ok(before) = std::fs::metadata(path) {
-            // The new file gets the permissions of the one that it replaces. Some file systems have none: ignore
-            // errors.
+            // The new file gets the permissions of the old one, where the file system has permissions.
             let _ = file.set_permissions(before.permissions());
         }
         let file = BufWriter::with_capacity(64 << 10, file);

@@ -1,4 +1,4 @@
-//! What the generator needs beside dialects: files by the rules of `mavparse`, the schema's check, texts that stand alone.
+//! Inputs of the generator beside dialects: files by the rules of `mavparse`, the schema's check, complete texts.
 
 mod common;
 

@@ -76,8 +76,7 @@ impl Decoder {
         &self.survey
     }
 
-    /// Adds descriptions that were read later, by the same clock. False if they would change tables that already have
-    /// rows.
+    /// Adds descriptions that were read later, by the same clock. False if they would change tables that have rows.
     pub(super) fn extend(&mut self, survey: Survey) -> bool {
         let survey = Arc::new(survey);
         let changed = self.survey.changed_by(&survey).into_iter();

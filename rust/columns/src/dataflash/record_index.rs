@@ -52,8 +52,7 @@ struct Guess {
     bad: Vec<Range<usize>>,
 }
 
-/// Finds the records of `block` that start before `limit`. The block begins at `offset` of the log and is the last if
-/// `at_end`.
+/// Finds the records of `block` that start before `limit`. It begins at `offset` of the log, and is its end if `at_end`.
 pub(super) fn hop(
     block: &[u8],
     offset: u64,

@@ -32,7 +32,7 @@ fn tables(batches: Vec<Batch>) -> BTreeMap<u16, RecordBatch> {
     by_index.iter().map(|(&index, rows)| (index, whole(rows))).collect()
 }
 
-/// What the log says about itself, and what is in it by that.
+/// The log's description of itself, and its tables, from two passes.
 fn in_two(log: &[u8], steps: Steps, plan: &Plan) -> (Survey, Rows) {
     let open = || Ok(source(log));
     let survey = Survey::read(steps, &open, || Ok::<_, Error>(()));

@@ -25,7 +25,7 @@ const HIDDEN: usize = 40;
 /// A week that is a time.
 const WEEK: u16 = 2200;
 
-/// What stands in a log.
+/// One item of a log to make.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Item {
     /// A description of a type.
@@ -125,7 +125,7 @@ impl Maker {
                 self.log.truncate(end);
             }
             Item::Cut(len) => {
-                // What makes it a dataflash log stays.
+                // The first FMT record stays: without it this is not a dataflash log.
                 self.log.truncate(self.log.len().saturating_sub(len.into()).max(FMT_LEN));
             }
         }

@@ -104,7 +104,7 @@ pub enum Kind {
     Unknown,
 }
 
-/// The result of [`identify`], with the bytes that it rests on.
+/// The kind of a log by its first bytes, and the bytes that prove it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict<'a> {
     /// The kind of log.

@@ -1,8 +1,7 @@
 //! How much may leave through a link: messages a second of each type, bytes a second of all.
 //!
 //! Both count with the generic cell rate algorithm: one number, the time at which the stream would be back in its
-//! pace. A frame that is a little early passes: a stream at its limit loses nothing to jitter, and the mean rate is
-//! kept.
+//! pace. A frame a little early passes: a stream at its limit loses nothing to jitter, and the mean rate is kept.
 
 use std::collections::HashMap;
 

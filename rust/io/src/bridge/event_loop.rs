@@ -243,8 +243,7 @@ impl EventLoop {
         let mut inbox = std::mem::take(&mut self.inbox);
         let mut read = 0;
         for _ in 0..TURNS {
-            // A socket may report an error about an earlier datagram, to a peer that is gone. It does not concern
-            // reading.
+            // A socket may report an error about an earlier datagram, to a peer that is gone. Reading ignores it.
             let Ok(count) = inbox.fill(socket.as_raw_fd(), None) else { break };
             while let Some((bytes, from)) = inbox.front() {
                 let len = bytes.len();

@@ -9,8 +9,7 @@ use std::path::Path;
 /// Opens a port raw: 8 data bits, no parity, one stop bit, nothing waited for.
 ///
 /// # Errors
-/// Errors of the operating system; `InvalidInput` for a speed that the port lacks, and for a path that is not a serial
-/// port.
+/// Errors of the operating system; `InvalidInput` for a speed that the port lacks, and for another kind of file.
 pub(super) fn open(path: &Path, baud: u32, flow_control: bool) -> io::Result<File> {
     let flags = libc::O_NONBLOCK | libc::O_NOCTTY;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;

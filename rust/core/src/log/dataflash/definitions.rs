@@ -20,7 +20,7 @@ pub const MAX_DEFINITIONS: usize = 256 * MAX_FOR_TYPE;
 const NONE: u16 = u16::MAX;
 const SEVERAL: u16 = u16::MAX - 1;
 
-/// The layout of a type that has one. The length is copied here: each step to the next record waits for it.
+/// The layout of a type that has one. The length is copied here, since each step to the next record has to wait for it.
 #[derive(Debug, Clone, Copy)]
 struct Only {
     /// Its index, [`NONE`] or [`SEVERAL`].

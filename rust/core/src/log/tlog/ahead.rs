@@ -37,8 +37,7 @@ pub struct Rules<'a> {
 pub struct Ahead {
     records: Vec<Checked>,
     next: usize,
-    /// The scanner that checked the records. `registry` keeps its definitions alive, so that no others get their
-    /// address.
+    /// The scanner that checked the records. `registry` keeps its definitions alive: no others get their address.
     scanner: Scanner,
     registry: Option<Arc<Registry>>,
     /// Records to look at next time: few after a jump, since the next jump may be near.

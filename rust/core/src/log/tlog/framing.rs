@@ -16,7 +16,7 @@ const SURE_SHARE: usize = 16;
 /// At most one of so many dates goes back.
 const DATES_BACK: usize = 8;
 
-/// The layout of a telemetry log.
+/// Whether the records of a telemetry log have time stamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Framing {
     /// Records of time stamp and frame.

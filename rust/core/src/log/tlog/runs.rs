@@ -12,7 +12,7 @@ use crate::frame::SIGNATURE_LEN;
 use crate::registry::Registry;
 use crate::scan::{Resync, Scanner, distance_to_stx};
 
-/// The cost of a failed guess at most, in bytes: those of the frame that it claims to be.
+/// Bytes that a failed guess costs at most: those of the frame that it claims to be.
 const GUESS_COST: usize = 255 + SIGNATURE_LEN;
 
 /// Bytes of few records: room for one in so many spares nearly every log the growing.
