@@ -105,7 +105,7 @@ pub struct Column {
     pub scale: Option<Scale>,
     /// The names that replace its values.
     pub names: Option<Names>,
-    /// Which values become nulls.
+    /// The rule for values that become nulls.
     pub invalid: Option<InvalidRule>,
 }
 

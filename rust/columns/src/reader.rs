@@ -122,13 +122,13 @@ pub trait Decode: Send {
 /// The wanted records of a log, and the tables that they become.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
-    /// Which records.
+    /// The records to read.
     pub wanted: Wanted,
-    /// As which columns.
+    /// The columns that they become.
     pub options: Options,
     /// The columns of messages with these options, where other logs were read with them.
     pub layouts: Option<Arc<Layouts>>,
-    /// In which batches.
+    /// The limits of a batch.
     pub limits: Limits,
     /// Whether messages that the dialect does not define become a table.
     pub unknown_table: bool,

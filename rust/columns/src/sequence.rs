@@ -31,11 +31,11 @@ impl Newest {
 /// How the counts change by a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Heard {
-    /// So many were lost in front of it.
+    /// This number of messages before it were lost.
     After(u8),
-    /// It was taken for lost, and only came late.
+    /// It arrived late, after it was counted as lost.
     Late,
-    /// It was heard before, on another link.
+    /// Another copy of it arrived before, on another link.
     Again,
 }
 

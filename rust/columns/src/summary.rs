@@ -106,7 +106,7 @@ pub struct Summary {
     pub senders: BTreeMap<(u8, u8), Sender>,
     /// Spans of time without a message.
     pub gaps: Vec<(u64, u64)>,
-    /// How many there are.
+    /// Number of gaps, of which `gaps` lists the first ones.
     pub gap_count: u64,
     /// Records whose time is a millisecond or more before that of the record in front.
     pub times_back: u64,
@@ -116,9 +116,9 @@ pub struct Summary {
     pub distrusted: u64,
     /// Bytes of no record, as places in the log.
     pub bad: Vec<Range<u64>>,
-    /// How many such places there are.
+    /// Number of such places, of which `bad` lists the first ones.
     pub bad_count: u64,
-    /// Bytes there.
+    /// Bytes of no record in all such places.
     pub bad_bytes: u64,
     /// Messages of MAVLink 1.
     pub version1: u64,

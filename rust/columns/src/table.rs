@@ -17,9 +17,9 @@ pub(crate) const GROUP: usize = 256;
 /// The expected size of a table, and its limits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Expected {
-    /// Times the rows that it has.
+    /// The factor from its present rows to the expected ones.
     pub growth: f64,
-    /// Bytes that it gets at once for rows that may never come.
+    /// Bytes that it reserves at once for rows that may never come.
     pub ahead: usize,
     /// Rows at most, beside those of one block.
     pub rows: usize,

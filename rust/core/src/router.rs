@@ -89,7 +89,7 @@ pub enum Fate {
     Duplicate,
     /// It carries a key.
     Withheld,
-    /// Nobody knows where its target is.
+    /// The link to its target is not known.
     Unroutable,
 }
 
@@ -100,17 +100,17 @@ pub struct LinkStats {
     pub received: u64,
     /// Their bytes.
     pub received_bytes: u64,
-    /// Of these: stopped by the inbound filter,
+    /// Received frames that the inbound filter stopped.
     pub filtered_in: u64,
-    /// copies of frames from other links,
+    /// Received copies of frames from other links.
     pub duplicates: u64,
-    /// with a key in them,
+    /// Received frames that carry a key.
     pub withheld: u64,
-    /// to a target that nobody knows.
+    /// Received frames to a target that is not known.
     pub unroutable: u64,
-    /// Frames that did not go out for the outbound filter,
+    /// Frames that the outbound filter kept back.
     pub filtered_out: u64,
-    /// and for the limits.
+    /// Frames that the limits kept back.
     pub limited: u64,
 }
 

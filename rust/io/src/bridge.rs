@@ -66,7 +66,7 @@ const MAX_COMMANDS: usize = 1024;
 /// no more than the commands of a round.
 const SENT_PIECE: usize = 4096;
 
-/// The number of errors to which the system gives none: an unknown name, a path that is not a device.
+/// The error number where the system gives none: for an unknown name, or a path that is not a device.
 pub const NO_SUCH_ADDRESS: i32 = libc::ENXIO;
 
 /// Why a bridge refused a request.

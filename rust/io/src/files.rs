@@ -83,8 +83,8 @@ fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
     done.map_err(|error| io::Error::new(error.kind(), Unwritten { path: path.to_owned(), error }))
 }
 
-/// A file under construction: it bears another name until it is committed, and is removed where that never happens, with the
-/// folders that were made for it. Its errors are [`Unwritten`].
+/// A file under construction, with a temporary name until it is committed. Dropping it without a commit removes it, and
+/// the folders that were made for it. Its errors are [`Unwritten`].
 #[derive(Debug)]
 pub struct Draft {
     file: Option<BufWriter<File>>,
@@ -93,7 +93,7 @@ pub struct Draft {
     name: PathBuf,
     /// Folders that were not there before, the innermost first.
     made: Vec<PathBuf>,
-    /// It stays.
+    /// It was committed: dropping it removes nothing.
     kept: bool,
 }
 
@@ -198,8 +198,8 @@ pub fn draft_stem(name: &OsStr) -> Cow<'_, OsStr> {
     Cow::Owned(format!("mavwire-{hash:016x}").into())
 }
 
-/// Makes the folder of `path`, and a file in it. The last of what it gives are the folders that were not there before, the
-/// innermost first.
+/// Makes the folder of `path`, and a file in it. Returns the file, its temporary name, and the folders that were not
+/// there before, the innermost first.
 fn begin(path: &Path) -> io::Result<(File, PathBuf, Vec<PathBuf>)> {
     let folders = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
     let made: Vec<_> = folders.take_while(|folder| !folder.exists()).map(Path::to_owned).collect();

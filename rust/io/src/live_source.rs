@@ -26,9 +26,9 @@ pub enum Transport {
 
 /// The result of one read from a link.
 pub enum Arrived {
-    /// Also says how many bytes went into the parser.
+    /// Data arrived, of which this number of bytes went into the parser.
     Data(usize),
-    /// Nothing is there.
+    /// No data is waiting.
     Nothing,
     /// The end of a stream, or something else: Python's `recv` knows what to do about it.
     Trouble,

@@ -53,7 +53,7 @@ pub struct LogReader {
     pub in_frame: bool,
     /// The message before was BAD_DATA.
     after_damage: bool,
-    /// Time of the last message that was not.
+    /// Time of the last message that was not BAD_DATA.
     pub last_good: Option<f64>,
     /// The last good record's stamp in the log, if that was not believed, and the time that the record got instead.
     distrusted: Option<(u64, f64)>,

@@ -85,17 +85,17 @@ pub(super) enum Axis {
 /// One change to the fields of a message.
 #[derive(Debug, Clone)]
 pub(super) enum Edit {
-    /// A position, so many units to the degree.
+    /// A coordinate, with its axis and its units per degree.
     Move(Field, Axis, f64),
-    /// An identifier.
+    /// An identifier, which is emptied.
     Empty(Field),
-    /// A text in which somebody may have written one; it is a part of a longer one where the other field is not 0.
+    /// A text, in which words like identifiers are masked. It is a part of a longer text if the other field is not 0.
     Mask(Field, Option<Field>),
-    /// Values of a parameter (first), if its name (second) says that it is an identifier or a position.
+    /// Values of a parameter (first), emptied if its name (second) is that of an identifier or a position.
     Parameter(Vec<Field>, Field),
-    /// x and y of a mission item or command, where the frame (last) is global; so many units to the degree.
+    /// x and y of a mission item or command, if its coordinate frame (last) is global; their units per degree.
     Item(Box<[Field; 3]>, f64),
-    /// The parameters of a command (last), with their numbers: those that are coordinates.
+    /// The parameters of a command (last) with their numbers. Those that are coordinates are shifted.
     Command(Vec<(u8, Field)>, Field),
 }
 
@@ -106,8 +106,8 @@ pub(super) enum Plan {
     Edit(Vec<Edit>),
 }
 
-/// Which parameters of a command are coordinates: those that are called so, and of one that has a location the 5th and
-/// 6th, which not all definitions name, unless they are in a local frame.
+/// The parameters of a command that are coordinates: those with such a label, and the 5th and 6th of a command with a
+/// location, which not all definitions label. Parameters in metres do not count.
 pub(super) fn coordinates_of(command: &EnumEntry) -> Vec<(u8, Axis)> {
     let located = |number: u8| match number {
         5 if command.has_location => Some(Axis::Latitude),

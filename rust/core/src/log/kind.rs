@@ -20,9 +20,9 @@ mod tests;
 
 /// Bytes that tell what kind of log it is.
 pub const WINDOW: usize = 64 << 10;
-/// So far into a log they are looked for.
+/// Bytes at the start of a log in which they are looked for.
 pub const MOST: usize = 4 * WINDOW;
-/// Bytes of zeros or ones in a row that no log begins with. So many bytes at the end of a head tell nothing.
+/// Bytes of 0 or 0xFF in a row that no log begins with. No more bytes than these at the end of a head tell nothing.
 const FILLER: usize = 16;
 /// The first byte of a time until the year 4253.
 const TIME_START: u8 = 0;
@@ -32,8 +32,8 @@ const STARTING_RECORDS: usize = 3;
 const STARTING_FRAMES: usize = 4;
 /// Bytes at the start of a text log that contain a FMT line.
 const TEXT_START: usize = 8000;
-/// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
-/// a text log in any case.
+/// At most one in this many of these bytes is not text: damage, or a mark of the encoding. A log that begins with a FMT
+/// line is a text log in any case.
 const TEXT_SHARE: usize = 2;
 /// The text at the start of each line of a text log that describes a record type.
 const TEXT: &[u8] = b"FMT,";

@@ -95,8 +95,8 @@ pub struct LinkSpec {
     pub endpoint: Endpoint,
     /// The settings of each of its peers in the router.
     pub port: PortSpec,
-    /// A peer of a UDP server is forgotten after this long without a good frame, and a connection ends whose other side
-    /// acknowledges nothing for so long.
+    /// Idle timeout. A UDP server drops a peer that sends no valid frame for this long. A connection that acknowledges
+    /// nothing for this long is closed.
     pub peer_timeout: Duration,
     /// Longest pause between two attempts to connect again; `None` gives up after the first connection ends.
     pub retry: Option<Duration>,

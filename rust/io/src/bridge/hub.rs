@@ -29,7 +29,7 @@ pub struct Latest {
     pub text: Option<Vec<u8>>,
     /// Frames of its kind so far.
     count: u64,
-    /// Frames that came before it: those of a round have the same time.
+    /// Number of frames before it. It orders the frames of a round, which have the same time.
     order: u64,
 }
 

@@ -16,9 +16,9 @@ use mavwire_core::frame::FrameBytes;
 /// The list of values, if a program has seen it and may have changed it, and the attributes that a program set.
 #[derive(Default)]
 pub(super) struct Written {
-    /// `_elements`, once somebody saw it: from then on the values are in there.
+    /// `_elements`, once a program has read it. From then on it holds the values.
     pub(super) elements: Option<Py<PyList>>,
-    /// Attributes that are no columns.
+    /// Attributes that are not columns.
     pub(super) attributes: Option<Py<PyDict>>,
 }
 

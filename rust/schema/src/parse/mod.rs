@@ -25,7 +25,7 @@ pub struct ParseOptions {
     pub keep_descriptions: bool,
     /// Longest text in bytes.
     pub max_text_len: usize,
-    /// Whose rules the text has to keep.
+    /// The rules that the text has to keep.
     pub rules: Rules,
 }
 
