@@ -182,7 +182,7 @@ def core_line() -> str | None:
 
 
 def filter_lines() -> list[str]:
-    """What a filter saves where the other columns are decoded late."""
+    """The time that a filter saves where the other columns are decoded late."""
     command = [sys.executable, str(HERE / "python" / "pushed_filter.py")]
     out = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     title = "G18  a filter that keeps 1% of the rows, beside a filter on the whole frame"

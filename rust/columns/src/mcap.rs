@@ -2,7 +2,7 @@
 //!
 //! A channel for each message type and sender, `/SYSID/COMPID/TYPE`, or `/TYPE` of a dataflash log, whose messages are the
 //! fields as Protocol Buffers ([`protobuf`]) or JSON objects. Positions and texts have a channel more, in the form that
-//! Foxglove shows on a map and as a log ([`foxglove`]). What the channels are called and what their schemas say stands in
+//! Foxglove shows on a map and as a log ([`foxglove`]). The names and schemas of the channels are in
 //! [`channels`].
 //!
 //! Messages are sorted by time within each block of the log, so that a reader need not have many chunks open at a time.
@@ -52,7 +52,7 @@ pub enum Encoding {
     Json,
 }
 
-/// What a file is like.
+/// The settings of a file.
 pub struct Settings {
     /// How messages are encoded.
     pub encoding: Encoding,
@@ -102,7 +102,7 @@ impl<W: Write> McapSink<W> {
     /// Begins a file.
     ///
     /// # Errors
-    /// What writing says.
+    /// Errors of writing.
     pub fn new(out: W, settings: Settings) -> Result<Self, Error> {
         let Settings { encoding, compression, descriptions } = settings;
         let compression = match compression {

@@ -33,7 +33,7 @@ pub enum Output<W: Write + Send> {
         path: PathBuf,
         /// Begins it.
         create: Create<W>,
-        /// What it is like, until it is begun.
+        /// Its settings, until it is begun.
         settings: Option<Settings>,
         /// The file, once it is begun.
         sink: Option<Box<McapSink<W>>>,

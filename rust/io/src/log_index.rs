@@ -99,7 +99,7 @@ impl InstancePlace {
         read::<1>(payload, usize::from(self.offset))[0]
     }
 
-    /// The instance as it stands between brackets in `messages["TYPE[instance]"]`, as pymavlink's index reads it from the
+    /// The instance's text between the brackets in `messages["TYPE[instance]"]`, as pymavlink's index reads it from the
     /// raw bytes: text up to the first NUL, of anything else the lowest byte, signed.
     fn text(self, payload: &[u8]) -> String {
         if self.text_len == 0 {

@@ -11,7 +11,7 @@ use mavwire_core::registry::Registry;
 
 use crate::window::FileWindow;
 
-/// Finds records. It remembers where it stands, but may be asked to look anywhere.
+/// Finds records. It remembers its position, but may be asked to look anywhere.
 #[derive(Debug, Clone, Default)]
 pub struct RecordFinder {
     scanner: RecordScanner,

@@ -178,7 +178,7 @@ fn property(field: &Field, texts: Option<&Texts>) -> Value {
     property
 }
 
-/// What a schema says of a field: its description, unit and enum.
+/// A schema's text about a field: its description, unit and enum.
 pub(super) fn said_of(field: &Field, texts: Option<&Texts>) -> String {
     let text = texts.and_then(|(_, fields)| fields.get(field.name())).cloned().unwrap_or_default();
     match (text.is_empty(), facts(field)) {

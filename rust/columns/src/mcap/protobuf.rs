@@ -128,7 +128,7 @@ fn wire_type(data_type: &DataType) -> WireType {
 /// Appends rows of the fields of a message.
 ///
 /// # Errors
-/// What Arrow says of a type that is not of tables.
+/// Errors of Arrow, for a type that tables do not have.
 pub(super) fn encoder(body: &StructArray) -> Result<Put<'static>, Error> {
     let fields = (1..).zip(body.fields().iter().zip(body.columns()));
     let put = fields.map(|(number, (field, array))| put_field(number, field, array));

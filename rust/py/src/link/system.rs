@@ -97,7 +97,7 @@ impl SystemState {
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         let before = instance_dict(slf)?.get_item(name)?;
-        // What cannot be compared, like an array, may have changed.
+        // A value that cannot be compared, like an array, may have changed.
         let changed = before.is_none_or(|before| !before.eq(value).unwrap_or(false));
         generic_setattr(slf, name, Some(value))?;
         if changed {

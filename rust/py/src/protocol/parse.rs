@@ -67,7 +67,7 @@ pub(crate) struct Session<'a, 'py> {
 
 #[pymethods]
 impl MAVLink {
-    /// Takes bytes and returns one message, or None. What is left over waits for the next call.
+    /// Takes bytes and returns one message, or None. Bytes behind the message wait for the next call.
     fn parse_char<'py>(
         slf: &Bound<'py, Self>,
         c: &Bound<'py, PyAny>,

@@ -51,7 +51,7 @@ struct Found {
     link: u8,
 }
 
-/// What a look at the log gave.
+/// The result of a look at the log.
 enum Look<M> {
     /// A message, made in its place.
     Made(M),
@@ -62,7 +62,7 @@ enum Look<M> {
 }
 
 impl Source {
-    /// Looks at the next record. `make` gets a wanted message where it stands; it may leave it to the caller.
+    /// Looks at the next record. `make` gets a wanted message in the reader's buffer; it may leave it to the caller.
     #[inline]
     fn look<M>(
         &mut self,
