@@ -183,7 +183,7 @@ impl LogColumns {
     fn kept(&self, py: Python<'_>, batch: Batch) -> Result<Batch> {
         let Some(keeps) = &self.predicate else { return Ok(batch) };
         let (_, asked) = table(batch.clone());
-        let numbers = keeps.bind(py).call1((asked,))?.cast_into::<RecordBatches>()?;
+        let numbers = keeps.bind(py).invoke1((asked,))?.cast_into::<RecordBatches>()?;
         let numbers = numbers.get().whole(py)?.column(0);
         Ok(py.detach(|| batch.kept(numbers))?)
     }
