@@ -197,8 +197,7 @@ def test_protobuf_tells_what_is_invalid_from_0(tmp_path):
 def test_names_that_protobuf_does_not_take(tmp_path):
     log = Log().define("AB-C", "QIii", "TimeUS,1st,a b,a_b").add("AB-C", 1_000_000, 1, -2, 3)
     path = converted(log.write(tmp_path / "1.BIN"), tmp_path / "out", "mcap")
-    (rows,) = messages(path).values()
-    assert [content for *_, content in rows] == [
+    assert [content for *_, content in messages(path)["/AB-C"]] == [
         {"TimeUS": 1_000_000, "_1st": 1, "a_b": -2, "a_b_": 3}
     ]
 
