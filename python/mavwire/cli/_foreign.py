@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from mavwire.logs.unknown import Counts
 
 DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
-COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
 def warn_if_foreign(
@@ -52,7 +51,7 @@ def _without_message(path: str, is_indexed: bool) -> str:
             return _undefined(unknown) if unknown else DAMAGED
     except OSError:  # gone since it was read
         return ""
-    return said or (COMPRESSED if kind in (LogKind.GZIP, LogKind.ZSTD) else "")
+    return said
 
 
 def _undefined(counts: Counts) -> str:

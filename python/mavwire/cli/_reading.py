@@ -7,13 +7,14 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from itertools import chain, islice
 from typing import Any, TypeVar
 
 from mavwire import _log_link
 from mavwire._log_link import kind_of
+from mavwire._native import LogKind, identify
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._progress import Progress
@@ -81,6 +82,26 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
         raise CommandError(f"no such log: {name or path}") from error
     except (OSError, ValueError, ImportError) as error:
         raise CommandError(f"cannot open {name or path}: {in_words(error, path)}{hint}") from error
+
+
+@contextmanager
+def unpacked(command: str, path: str, name: str | None = None) -> Iterator[str]:
+    """The path of a log, or of a temporary file with the content of a compressed one. Damage of that
+    is told.
+    """
+
+    def damaged(why: str) -> None:
+        tell(
+            f"mavwire {command}: the compressed log is cut off or damaged ({why}): {name or path!r}"
+        )
+
+    with ExitStack() as stack:
+        with opening(path, name):
+            if os.path.isfile(path) and identify(path) in (LogKind.GZIP, LogKind.ZSTD):
+                from mavwire.logs.sources import decompressed  # which few logs need
+
+                path = stack.enter_context(decompressed(path, damaged))
+        yield path
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:
@@ -265,14 +286,31 @@ def reading(
     name: str | None = None,
     **options: Any,
 ) -> Iterator[Reading]:
-    """Open a log for `mavwire COMMAND`, show progress, close it, and warn if it was no log.
+    """Open a log for `mavwire COMMAND`, decompress it if need be, show progress, close it, and warn if
+    it was no log.
 
     `name` is the user's name of the log, if that is not its path. `options` are those of
     `mavlink_connection`, which opens the log if `first_try` gives None.
     """
+    with (
+        unpacked(command, path, name) as plain,
+        _opened(command, plain, show_progress, first_try, name or path, options) as log,
+    ):
+        yield log
+
+
+@contextmanager
+def _opened(
+    command: str,
+    path: str,
+    show_progress: bool,
+    first_try: Callable[[], Any],
+    name: str,
+    options: dict[str, Any],
+) -> Iterator[Reading]:
+    """The same of a log that is not compressed."""
     from mavwire.cli._foreign import warn_if_foreign
 
-    name = name or path
     with Progress(os.path.basename(name), show_progress) as progress:
         with opening(path, name):
             link = first_try() or _log_link.open_link(

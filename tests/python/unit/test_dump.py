@@ -202,11 +202,6 @@ def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixtur
     ("content", "said"),
     [
         (
-            b"\x1f\x8b\x08" + bytes(100),
-            "a gzip file, not a telemetry log, as far as it can be read (corrupt deflate stream)"
-            "; repeat the copy or the download",
-        ),
-        (
             bytes(1000),
             "no telemetry record found; `mavwire info --help` names the kinds of logs; copy a truncated log again",
         ),
@@ -233,16 +228,28 @@ def test_standard_input_is_not_called_by_the_file_that_keeps_it(
     assert capsys.readouterr().err.endswith(": 'standard input'\n")
 
 
-def test_a_compressed_log_is_said_to_be_one(
+def test_a_compressed_log_is_read_as_the_log_that_is_in_it(
     log: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "flight.tlog.gz"
-    path.write_bytes(gzip.compress(Path(log).read_bytes()))
+    packed = gzip.compress(Path(log).read_bytes())
+    path.write_bytes(packed)
     for command in ("dump", "loss", "parms"):
-        assert cli.main([command, str(path)]) == 0
-        assert "a compressed log" in capsys.readouterr().err
-    assert cli.main(["info", str(path)]) == 0
-    assert capsys.readouterr().err == ""
+        said = []
+        for name in (log, str(path)):
+            assert cli.main([command, name]) == 0
+            said.append(capsys.readouterr().out.replace(name, "LOG"))
+        assert said[0] == said[1] != ""
+    path.write_bytes(packed[:-20])
+    assert cli.main(["dump", "-q", str(path)]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith("mavwire dump: the compressed log is cut off or damaged (")
+    assert said.endswith(f"): {str(path)!r}\n")
+    path.write_bytes(b"\x1f\x8b\x08" + bytes(100))
+    assert cli.main(["dump", str(path)]) == 1
+    damage = "as far as it can be read (corrupt deflate stream); repeat the copy or the download"
+    said = f"cannot open {path}: a gzip file, not a telemetry log, {damage}"
+    assert capsys.readouterr().err == f"mavwire dump: error: {said}\n"
 
 
 def test_dialect_and_protocol_of_the_process_stay(log: str) -> None:

@@ -111,7 +111,6 @@ def test_a_log_that_ends_in_its_first_record(
 
 @pytest.mark.parametrize("kind", ["BIN", "log"])
 def test_a_compressed_log_that_is_short(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """And one that is whole, of which messages cannot be read either."""
     name = f"start.{kind}.gz"
     Path(name).write_bytes(gzip.compress(STARTS[kind][:3]))
     for command in ("info", "dump", "msgstats"):
@@ -119,8 +118,11 @@ def test_a_compressed_log_that_is_short(kind: str, capsys: pytest.CaptureFixture
         assert NO_RECORD in capsys.readouterr().err
     sample().write(Path("flight.BIN"))
     Path("flight.BIN.gz").write_bytes(gzip.compress(Path("flight.BIN").read_bytes()))
-    assert cli.main(["dump", "flight.BIN.gz"]) == 0
-    assert "a compressed log, which info, convert and" in capsys.readouterr().err
+    shown = []
+    for log in ("flight.BIN", "flight.BIN.gz"):
+        assert cli.main(["dump", log]) == 0
+        shown.append(capsys.readouterr().out)
+    assert shown[0] == shown[1] != ""
 
 
 TABLES = {

@@ -25,6 +25,7 @@ from mavwire.cli._reading import (
     link_options,
     reading,
     standard_input,
+    unpacked,
 )
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record_of
@@ -98,6 +99,7 @@ def main(args: Namespace) -> int:
             if args.follow:
                 raise CommandError("--follow: standard input is read to its end first")
             args.log = stack.enter_context(standard_input())
+        args.log = stack.enter_context(unpacked("dump", args.log, name))
         if args.profile:
             stack.enter_context(_profiled())
         tables = _tables(args, stack)
@@ -133,7 +135,7 @@ def _check_possible(args: Namespace, log: Any) -> None:
     }
     for option in (name for name, wanted in asked.items() if wanted):
         kind = kind_of(log)
-        raise CommandError(f"{option}: {args.log} is a {kind} log; this is for telemetry only")
+        raise CommandError(f"{option}: {log.path} is a {kind} log; this is for telemetry only")
 
 
 def _tables(args: Namespace, stack: ExitStack) -> Tables | None:

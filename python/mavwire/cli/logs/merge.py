@@ -5,15 +5,14 @@ With --exact natively: every good record of damaged logs, times to the microseco
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
 from heapq import merge
 from operator import attrgetter
 
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
-from mavwire.cli._reading import definitions, opening, reading
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 from mavwire.dialects import UPSTREAM
 
@@ -31,11 +30,10 @@ def main(args: Namespace) -> int:
     if args.exact:
         return _merge_exactly(args)
     with definitions(UPSTREAM, "2.0"), ExitStack() as stack:
-        plain = [_plain(path, stack) for path in args.logs]
         logs = [
             # One bar tells how far it is: they are read side by side.
-            stack.enter_context(reading("merge", path, show_progress=number == 0, name=name))
-            for number, (path, name) in enumerate(zip(plain, args.logs, strict=True))
+            stack.enter_context(reading("merge", path, show_progress=number == 0))
+            for number, path in enumerate(args.logs)
         ]
         for log in logs:
             require_telemetry(log)
@@ -48,19 +46,6 @@ def main(args: Namespace) -> int:
             if file is not None:
                 file.write(record(msg))
     return 0
-
-
-def _plain(path: str, stack: ExitStack) -> str:
-    """A log, or what is in a compressed one until `stack` ends; what is wrong with that is said."""
-    from mavwire.logs.sources import decompressed
-
-    def warn(damage: str) -> None:
-        tell(f"mavwire merge: the compressed log is cut off or damaged ({damage}): {path!r}")
-
-    if not os.path.isfile(path):  # `reading` tells what it is
-        return path
-    with opening(path):
-        return stack.enter_context(decompressed(path, warn))
 
 
 def _merge_exactly(args: Namespace) -> int:
