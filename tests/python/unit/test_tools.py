@@ -71,8 +71,11 @@ def test_a_file_that_is_no_log(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "archive.tlog"
-    path.write_bytes(b"\x1f\x8b\x08" + bytes(500))
+    path.write_bytes(b"PK\x03\x04" + bytes(500))
     assert cli.main([verb, str(path)]) == 0
+    assert "a ZIP archive, not a telemetry log" in capsys.readouterr().err
+    path.write_bytes(b"\x1f\x8b\x08" + bytes(500))
+    assert cli.main([verb, str(path)]) == 1
     assert "a gzip file, not a telemetry log" in capsys.readouterr().err
 
 
