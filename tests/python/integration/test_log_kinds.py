@@ -133,9 +133,11 @@ def test_a_log_is_the_same_for_all(
         assert identify(name) is kind, name
         for way, count in (BY_TABLES | BY_MESSAGES).items():
             answers[name, way] = count(name, message)
-        answers[name, "info"], answers[name, "dump"] = by_commands(name, message, capsys)
+        answers[name, "info command"], answers[name, "dump"] = by_commands(name, message, capsys)
     if kind is LogKind.TLOG and change == "noise in front":
-        answers = {where: found for where, found in answers.items() if where[1] in BY_TABLES}
+        # mavutil takes the noise for a time stamp, as pymavlink does, and loses a message or two to it.
+        lost = {answers[name, "read"] - answers.pop((name, "mavutil")) for name in names}
+        assert lost < {1, 2}
     assert len(set(answers.values())) == 1, answers
     assert all(answers.values())
 

@@ -26,6 +26,7 @@ COMMANDS = {
     "jsonl": ["convert", "LOG", "-o", "OUT", "--format", "jsonl", "--compression", "zstd"],
     "arrow": ["convert", "LOG", "-o", "OUT", "--format", "arrow"],
     "mcap": ["convert", "LOG", "-o", "OUT", "--format", "mcap"],
+    "mcap-json": ["convert", "LOG", "-o", "OUT", "--format", "mcap-json"],
     "cut": ["cut", "LOG", "-o", "OUT/made.tlog"],
     "repair": ["repair", "LOG", "-o", "OUT/made.tlog"],
     "anonymize": ["anonymize", "LOG", "-o", "OUT/made.tlog"],

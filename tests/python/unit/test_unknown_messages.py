@@ -246,15 +246,12 @@ def test_a_later_dialect_decodes_the_table(
 
 
 def test_an_mcap_file_has_their_payloads(vendor: Path, tmp_path: Path) -> None:
-    from mcap.reader import make_reader
+    from unit.mcap_tools import messages
 
     convert([vendor], tmp_path / "out", format="mcap", unknown="table")
-    with (tmp_path / "out" / "vendor.mcap").open("rb") as file:
-        rows = [
-            json.loads(message.data)
-            for _, channel, message in make_reader(file).iter_messages()
-            if channel.topic.endswith("mavwire.unknown")
-        ]
+    found = messages(tmp_path / "out" / "vendor.mcap")
+    (rows,) = (rows for topic, rows in found.items() if topic.endswith("mavwire.unknown"))
+    rows = [content for *_, content in rows]
     assert [row["payload"] for row in rows] == [f"{seq:02x}003c" for seq in range(3, 20)]
     assert {(row["msgid"], row["crc_extra"]) for row in rows} == {(180, 5)}
 

@@ -112,12 +112,12 @@ def main(args: Namespace) -> int:
                 **link_options(args),
             )
         )  # fmt: skip
-        _check_possible(args, log.link)
+        _check_possible(args, log.link, name)
         _dump(args, log, writer, _recorder(args, stack), tables)
     return 0
 
 
-def _check_possible(args: Namespace, log: Any) -> None:
+def _check_possible(args: Namespace, log: Any, name: str) -> None:
     """CommandError for options that dataflash and CSV logs do not support."""
     if kind_of(log) == "telemetry":
         return
@@ -133,9 +133,9 @@ def _check_possible(args: Namespace, log: Any) -> None:
         "--follow": args.follow,
         "--output": bool(args.output) and kind_of(log) == "CSV",
     }
-    for option in (name for name, wanted in asked.items() if wanted):
+    for option in (one for one, wanted in asked.items() if wanted):
         kind = kind_of(log)
-        raise CommandError(f"{option}: {log.path} is a {kind} log; this is for telemetry only")
+        raise CommandError(f"{option}: {name} is a {kind} log; this is for telemetry only")
 
 
 def _tables(args: Namespace, stack: ExitStack) -> Tables | None:
