@@ -336,11 +336,10 @@ def absolute(path: str) -> str:
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """One path or several. A pattern is replaced by the paths that match it."""
-    is_one = isinstance(paths, bytes | os.PathLike)
-    if not is_one and hasattr(paths, "read"):  # whose lines are no paths
+    every: Iterable[Any] = [paths] if isinstance(paths, bytes | os.PathLike) else ()
+    if not every and hasattr(paths, "read"):  # whose lines are no paths
         raise TypeError(f"a log is named by its path, not given as an open file: {paths!r}")
-    every = [paths] if is_one else several(paths)
-    return [one for path in every for one in matches(os.fsdecode(path))]
+    return [one for path in every or several(paths) for one in matches(os.fsdecode(path))]
 
 
 def matches(path: str) -> list[str]:
