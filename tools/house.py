@@ -199,7 +199,7 @@ LIMITS = {
     "lines of rust/io": 6590,
     "lines of rust/py": 12_900,
     "lines of Rust without tests": 38_270,
-    "lines of Python without stubs": 46_920,
+    "lines of Python without stubs": 46_960,
     "files over 400 lines": 4,
     "functions over 40 lines": 25,
     "comments against the style": 0,

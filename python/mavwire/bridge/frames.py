@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import weakref
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from mavwire._native import BridgeTap, FrameBatch
+
+if TYPE_CHECKING:
+    import asyncio
 
 # Seconds that a thread of asyncio waits for frames: the end of `asyncio.run` waits for the thread.
 LOOK_TIME = 0.2

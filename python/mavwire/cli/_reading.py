@@ -85,15 +85,13 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
 
 
 @contextmanager
-def unpacked(command: str, path: str, name: str | None = None) -> Iterator[str]:
-    """The path of a log, or of a temporary file with the content of a compressed one. Damage of that
-    is told.
+def _unpacked(command: str, path: str, name: str) -> Iterator[str]:
+    """The path of a log, or of a temporary file with the content of a compressed one. Damage to the
+    compressed file is reported on standard error.
     """
 
     def damaged(why: str) -> None:
-        tell(
-            f"mavwire {command}: the compressed log is cut off or damaged ({why}): {name or path!r}"
-        )
+        tell(f"mavwire {command}: the compressed log is cut off or damaged ({why}): {name!r}")
 
     with ExitStack() as stack:
         with opening(path, name):
@@ -282,7 +280,7 @@ def reading(
     command: str,
     path: str,
     show_progress: bool = True,
-    first_try: Callable[[], Any] = lambda: None,
+    first_try: Callable[[str], Any] = lambda path: None,
     name: str | None = None,
     **options: Any,
 ) -> Iterator[Reading]:
@@ -290,11 +288,12 @@ def reading(
     it was no log.
 
     `name` is the user's name of the log, if that is not its path. `options` are those of
-    `mavlink_connection`, which opens the log if `first_try` gives None.
+    `mavlink_connection`, which opens the log if `first_try` of the path gives None.
     """
+    name = name or path
     with (
-        unpacked(command, path, name) as plain,
-        _opened(command, plain, show_progress, first_try, name or path, options) as log,
+        _unpacked(command, path, name) as plain,
+        _opened(command, plain, show_progress, first_try, name, options) as log,
     ):
         yield log
 
@@ -304,7 +303,7 @@ def _opened(
     command: str,
     path: str,
     show_progress: bool,
-    first_try: Callable[[], Any],
+    first_try: Callable[[str], Any],
     name: str,
     options: dict[str, Any],
 ) -> Iterator[Reading]:
@@ -313,7 +312,7 @@ def _opened(
 
     with Progress(os.path.basename(name), show_progress) as progress:
         with opening(path, name):
-            link = first_try() or _log_link.open_link(
+            link = first_try(path) or _log_link.open_link(
                 path, progress_callback=progress.update, **options
             )
         try:

@@ -8,7 +8,6 @@ when somebody first asks for a description, and never otherwise. Where there is 
 from __future__ import annotations
 
 import os
-from functools import cache
 
 # Imports for types or rare calls would take most of the time of importing this module.
 TYPE_CHECKING = False
@@ -48,14 +47,18 @@ def installed_folder() -> Path | None:
     return None if installed is None else installed / "pymavlink/dialects/v20"
 
 
-@cache
+_summaries: dict[str, dict[str, str]] = {}
+
+
 def summaries() -> dict[str, dict[str, str]]:
     """mavwire's own lines on ``messages``, ``commands`` and ``enums``: name -> summary."""
-    import tomllib
-    from pathlib import Path
+    if not _summaries:
+        import tomllib
+        from pathlib import Path
 
-    file = Path(__file__).resolve().parent.parent / "_data" / "summaries.toml"
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+        file = Path(__file__).resolve().parent.parent / "_data" / "summaries.toml"
+        _summaries.update(tomllib.loads(file.read_text(encoding="utf-8")))
+    return _summaries
 
 
 def summary(kind: str, name: str) -> str:

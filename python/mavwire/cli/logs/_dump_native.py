@@ -45,7 +45,7 @@ def fits(args: Namespace, log: Any) -> bool:
     )
 
 
-def open_without_index(args: Namespace) -> Any:
+def open_without_index(args: Namespace, path: str) -> Any:
     """A telemetry log without an index, which would cost time and memory. None where the output may
     differ from that with an index.
     """
@@ -53,11 +53,11 @@ def open_without_index(args: Namespace) -> Any:
     from mavwire._native import LogKind
     from mavwire.links.recognise import log_kind
 
-    if args.types is not None or ":" in args.log or not options_fit(args):
+    if args.types is not None or ":" in path or not options_fit(args):
         return None
-    if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) is not LogKind.TLOG:
+    if not os.path.isfile(path) or log_kind(path, readonly=True) is not LogKind.TLOG:
         return None
-    log = mavutil.mavlogfile(args.log)
+    log = mavutil.mavlogfile(path)
     # After the first good record the state of the reader does not depend on what was read before.
     first = log.recv_msg()
     if first is None or first.get_msgId() < 0 or not fits(args, log):

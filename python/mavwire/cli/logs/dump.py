@@ -12,6 +12,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, redirect_stdout
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavwire._log_link import kind_of
@@ -25,7 +26,6 @@ from mavwire.cli._reading import (
     link_options,
     reading,
     standard_input,
-    unpacked,
 )
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record_of
@@ -99,7 +99,6 @@ def main(args: Namespace) -> int:
             if args.follow:
                 raise CommandError("--follow: standard input is read to its end first")
             args.log = stack.enter_context(standard_input())
-        args.log = stack.enter_context(unpacked("dump", args.log, name))
         if args.profile:
             stack.enter_context(_profiled())
         tables = _tables(args, stack)
@@ -108,7 +107,7 @@ def main(args: Namespace) -> int:
         log = stack.enter_context(
             reading(
                 "dump", args.log, show_progress=args.quiet or not writer.to_terminal,
-                first_try=lambda: _dump_native.open_without_index(args), name=name,
+                first_try=partial(_dump_native.open_without_index, args), name=name,
                 **link_options(args),
             )
         )  # fmt: skip

@@ -3,7 +3,7 @@
 //! The format: <https://protobuf.dev/programming-guides/encoding/>. Fields are numbered from 1 in their order. A field that
 //! has no value is left out, which proto2 tells from 0.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use arrow::array::{Array, ArrayRef, AsArray, StructArray};
 use arrow::compute::cast;
@@ -40,16 +40,14 @@ pub(super) fn identifier(name: &str) -> String {
 /// The descriptor of a message, with its texts, units and enums as comments.
 pub(super) fn descriptor(message: &str, schema: &Schema, texts: Option<&Texts>) -> Vec<u8> {
     let (mut taken, mut fields) = (HashSet::new(), Vec::new());
-    let mut comments: HashMap<Vec<i32>, String> = HashMap::new();
-    if let Some((text, _)) = texts {
-        comments.insert(vec![MESSAGES, 0], text.clone());
-    }
+    let message_text = texts.map(|(text, _)| text.clone()).unwrap_or_default();
+    let mut comments = vec![(vec![MESSAGES, 0], message_text)];
     for (at, field) in (0..).zip(schema.fields().iter().filter(|field| is_body(field.name()))) {
         let mut name = identifier(field.name());
         while !taken.insert(name.clone()) {
             name.push('_');
         }
-        comments.insert(vec![MESSAGES, 0, FIELDS, at], said_of(field, texts));
+        comments.push((vec![MESSAGES, 0, FIELDS, at], said_of(field, texts)));
         fields.push(field_descriptor(name, at + 1, field));
     }
     let location = |(path, text): (Vec<i32>, String)| Location {
@@ -58,9 +56,8 @@ pub(super) fn descriptor(message: &str, schema: &Schema, texts: Option<&Texts>) 
         leading_comments: Some(text),
         ..Location::default()
     };
-    let mut location: Vec<_> =
+    let location =
         comments.into_iter().filter(|(_, text)| !text.is_empty()).map(location).collect();
-    location.sort_by(|one, other| one.path.cmp(&other.path));
     let file = FileDescriptorProto {
         name: Some(format!("{message}.proto")),
         message_type: vec![DescriptorProto {
