@@ -637,7 +637,7 @@ class MAVLink:
         """
 
     def parse_buffer(self, s: _BytesLike) -> list[Any] | None:
-        """Takes bytes and returns all messages in them as a list, or None if there are none."""
+        """Parses bytes. Returns all messages that end in them as a list, None without a message."""
 
     def decode(self, msgbuf: bytearray) -> Message:
         """Decodes one complete frame; the dialect's `MAVError` says what is wrong with it."""

@@ -5,7 +5,7 @@
 //! timestamp is looked at, then the digest, and only a good digest changes anything, so that someone without the key can
 //! neither block a genuine stream nor open the replay window of a new one.
 //!
-//! The clock is an argument (`now`, in signing units; `None` where there is none). The caller decides about frames that
+//! The clock is an argument (`now`, in signing units; `None` without a clock). The caller decides about frames that
 //! are not genuine, and the [`Verdict`] says enough to apply and to log its policy.
 
 mod key;

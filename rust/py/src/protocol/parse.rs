@@ -80,7 +80,7 @@ impl MAVLink {
         message
     }
 
-    /// Takes bytes and returns all messages in them as a list, or None if there are none.
+    /// Parses bytes. Returns all messages that end in them as a list, None without a message.
     fn parse_buffer<'py>(
         slf: &Bound<'py, Self>,
         s: &Bound<'py, PyAny>,
