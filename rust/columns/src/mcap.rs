@@ -53,6 +53,7 @@ pub enum Encoding {
 }
 
 /// The settings of a file.
+#[derive(Clone)]
 pub struct Settings {
     /// How messages are encoded.
     pub encoding: Encoding,
@@ -65,7 +66,6 @@ pub struct Settings {
 /// An MCAP file being written.
 pub struct McapSink<W: Write> {
     writer: Writer<NoSeek<W>>,
-    encoding: Encoding,
     channels: Channels,
     rows: u64,
 }
@@ -118,7 +118,7 @@ impl<W: Write> McapSink<W> {
             .library(concat!("mavwire ", env!("CARGO_PKG_VERSION")))
             .disable_seeking(true);
         let writer = options.create(NoSeek::new(out))?;
-        Ok(Self { writer, encoding, channels: Channels::new(encoding, descriptions), rows: 0 })
+        Ok(Self { writer, channels: Channels::new(encoding, descriptions), rows: 0 })
     }
 
     /// Rows so far, those of additional channels not counted.
@@ -139,7 +139,7 @@ impl<W: Write> McapSink<W> {
         let mut order: Vec<Row> = (0..).zip(&sources).flat_map(|(n, one)| one.rows(n)).collect();
         order.sort_by_key(|row| row.time);
         let mut windows = order.chunks(WINDOW);
-        let encoding = self.encoding;
+        let encoding = self.channels.encoding;
         let mut ahead =
             windows.next().map(|window| (window, pool::run(|| encode(&sources, window, encoding))));
         while let Some((window, texts)) = ahead {

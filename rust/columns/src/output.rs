@@ -33,8 +33,8 @@ pub enum Output<W: Write + Send> {
         path: PathBuf,
         /// Begins it.
         create: Create<W>,
-        /// Its settings, until it is begun.
-        settings: Option<Settings>,
+        /// Its encoding, compression and descriptions.
+        settings: Settings,
         /// The file, once it is begun.
         sink: Option<Box<McapSink<W>>>,
     },
@@ -70,7 +70,7 @@ impl<W: Write + Send> Output<W> {
 
     /// A file for all tables.
     pub fn mcap(path: PathBuf, create: Create<W>, settings: Settings) -> Self {
-        Self::Mcap { path, create, settings: Some(settings), sink: None }
+        Self::Mcap { path, create, settings, sink: None }
     }
 
     /// Writes the batches of a stretch of the log.
@@ -82,10 +82,11 @@ impl<W: Write + Send> Output<W> {
             Self::Tables(tables) => tables.write(batches),
             Self::Mcap { .. } if batches.is_empty() => Ok(()),
             Self::Mcap { path, create, settings, sink } => {
-                if let Some(settings) = settings.take() {
-                    *sink = Some(Box::new(McapSink::new(create(path)?, settings)?));
-                }
-                sink.as_mut().map_or(Ok(()), |sink| sink.write(batches))
+                let sink = match sink {
+                    Some(open) => open,
+                    None => sink.insert(Box::new(McapSink::new(create(path)?, settings.clone())?)),
+                };
+                sink.write(batches)
             }
         }
     }

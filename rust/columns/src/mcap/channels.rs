@@ -28,7 +28,7 @@ pub type Descriptions = HashMap<String, Texts>;
 
 /// The channels of a file.
 pub(super) struct Channels {
-    encoding: Encoding,
+    pub(super) encoding: Encoding,
     /// Descriptions for the schemas.
     descriptions: Descriptions,
     /// By table, whether it is the additional channel, and sender.
